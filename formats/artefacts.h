@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The SQLite artefacts between the stages; schemas and invariants in README.md. Writers are atomic and
+// byte-reproducible. Readers check application id, format version, end marker and CRCs and throw DataError naming the
+// file. Where a reader takes a Provenance*, it may be null.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "formats/provenance.h"
+#include "survey/control/control_point.h"
+#include "survey/graph/solution.h"
+#include "survey/sensors/session.h"
+#include "survey/submaps/track.h"
+
+namespace formats {
+
+void WriteSession(const std::filesystem::path& file, const survey::Session& session, const Provenance& provenance);
+survey::Session ReadSession(const std::filesystem::path& file);
+
+void WriteTrack(const std::filesystem::path& file, const survey::Track& track,
+                const std::vector<survey::StampNs>& scan_stamps, const Provenance& provenance);
+survey::Track ReadTrack(const std::filesystem::path& file);
+
+void WriteLoops(const std::filesystem::path& file, const survey::Loops& loops, const Provenance& provenance);
+survey::Loops ReadLoops(const std::filesystem::path& file);
+
+void WriteControl(const std::filesystem::path& file, const survey::ControlNetwork& network,
+                  const Provenance& provenance);
+survey::ControlNetwork ReadControl(const std::filesystem::path& file);
+
+void WriteSolution(const std::filesystem::path& file, const survey::Solution& solution,
+                   const std::vector<survey::StampNs>& scan_stamps, const Provenance& provenance);
+survey::Solution ReadSolution(const std::filesystem::path& file);
+
+// Stamps of the scans as stored beside the poses of a track or solution, in their order.
+std::vector<survey::StampNs> ReadScanStamps(const std::filesystem::path& file);
+
+}  // namespace formats

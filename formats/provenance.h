@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Where an artefact comes from. Stored inside every artefact together with the records of all its ancestors, so that
+// one file tells the whole chain back to the raw logs. Holds no date, host, user, absolute path or thread count: equal
+// inputs give equal bytes.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace formats {
+
+// One input of a stage. `role` is the stage's word for it ("session", "control", "raw log field.log").
+struct ProvenanceInput {
+  std::string role;
+  std::string sha256;  // of the file's bytes, or of the text without comments where `comments_ignored`
+  bool comments_ignored = false;
+  std::string record_id;  // id of the input's own record; empty for files that people or instruments made
+
+  bool operator==(const ProvenanceInput&) const = default;
+};
+
+// One run of one stage. id = SHA-256 of the record's canonical JSON without the id.
+struct ProvenanceRecord {
+  std::string stage;
+  std::string version;
+  std::map<std::string, std::string> options;  // effective values of the options that shape the output
+  std::vector<ProvenanceInput> inputs;         // in order of role
+
+  std::string Id() const;
+};
+
+// The artefact's own record first, then its ancestors ordered by id.
+struct Provenance {
+  std::vector<ProvenanceRecord> records;
+
+  const ProvenanceRecord& Own() const { return records.front(); }
+};
+
+nlohmann::json ToJson(const Provenance& provenance);
+Provenance ProvenanceFromJson(const nlohmann::json& json);  // DataError when malformed
+
+// The provenance stored in an artefact of any kind (SQLite, GeoTIFF, JSON). DataError names the file when it has none.
+Provenance ReadProvenance(const std::filesystem::path& file);
+
+}  // namespace formats

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Occupancy rasters on disk. Intermediates (grid.tif, map.tif): Float32 log-odds, NaN where never observed.
+// Deliverables: site.tif (COG, Byte 0-100 = occupancy in percent, 255 = unknown), PNG + world file + .aux.xml, ROS
+// map_server yaml + pgm.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "formats/provenance.h"
+#include "survey/control/control_point.h"
+#include "survey/grid/site_raster.h"
+
+namespace formats {
+
+// `tied` false: the raster is in a local frame and is plainly labelled "not tied to control" in its CRS name and
+// metadata.
+struct RasterLabel {
+  survey::SiteFrame frame;
+  bool tied = false;
+};
+
+void WriteRaster(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label,
+                 const Provenance& provenance);
+survey::SiteRaster ReadRaster(const std::filesystem::path& file, RasterLabel* label = nullptr);
+
+// GeoTIFF for people: cloud-optimized, DEFLATE, 512-cell tiles, overviews, nodata 255.
+void WriteCogMap(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label,
+                 const Provenance& provenance);
+
+// Picture: white free, black occupied, grey unknown; writes file, the .pgw beside it (centre of the upper left pixel)
+// and file.aux.xml with the CRS.
+void WritePngMap(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label);
+
+// folder/map.yaml and folder/map.pgm; origin = lower left corner; free_thresh 0.196 so that unknown stays unknown.
+void WriteRosMap(const std::filesystem::path& folder, const survey::SiteRaster& raster);
+
+// WKT2 of "EPSG:25832" and the like; empty for empty. UsageError names a CRS that is not known or not projected.
+std::string Wkt2OfCrs(const std::string& crs);
+
+}  // namespace formats

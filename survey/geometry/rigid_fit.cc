@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/geometry/rigid_fit.h"
+
+namespace survey {
+
+std::optional<RigidFit> FitRigid(std::span<const Eigen::Vector2d> source, std::span<const Eigen::Vector2d> target,
+                                 std::span<const double> weights) {
+  const std::size_t n = source.size();
+  if (n < 2 || target.size() != n || (!weights.empty() && weights.size() != n)) return std::nullopt;
+  const auto weight = [&](std::size_t i) { return weights.empty() ? 1.0 : weights[i]; };
+
+  double total = 0.0;
+  Eigen::Vector2d source_centre = Eigen::Vector2d::Zero();
+  Eigen::Vector2d target_centre = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    total += weight(i);
+    source_centre += weight(i) * source[i];
+    target_centre += weight(i) * target[i];
+  }
+  if (!(total > 0.0)) return std::nullopt;
+  source_centre /= total;
+  target_centre /= total;
+
+  double dot = 0.0;
+  double cross = 0.0;
+  double spread = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector2d s = source[i] - source_centre;
+    const Eigen::Vector2d t = target[i] - target_centre;
+    dot += weight(i) * s.dot(t);
+    cross += weight(i) * (s.x() * t.y() - s.y() * t.x());
+    spread += weight(i) * s.squaredNorm();
+  }
+  const double length = std::hypot(dot, cross);
+  if (!(spread > 1e-12 * total) || !(length > 1e-12 * total)) return std::nullopt;
+
+  RigidFit fit;
+  fit.target_from_source.theta = std::atan2(cross, dot);
+  const Eigen::Vector2d translation = target_centre - Rotation2(fit.target_from_source.theta) * source_centre;
+  fit.target_from_source.x = translation.x();
+  fit.target_from_source.y = translation.y();
+  fit.similarity_scale = length / spread;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < n; ++i) squares += (target[i] - fit.target_from_source * source[i]).squaredNorm();
+  fit.rms_m = std::sqrt(squares / static_cast<double>(n));
+  return fit;
+}
+
+}  // namespace survey

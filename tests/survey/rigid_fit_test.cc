@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/geometry/rigid_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace survey {
+namespace {
+
+TEST(FitRigid, RecoversTheMotionAndTheScaleThatSeparatesTheSets) {
+  const Pose2 truth{500000.0, 5600000.0, -2.4};
+  const std::vector<Eigen::Vector2d> source = {{0, 0}, {10, 1}, {3, -7}, {-4, 5}};
+  std::vector<Eigen::Vector2d> target;
+  for (const auto& p : source) target.push_back(truth * Eigen::Vector2d(1.0002 * p));
+  const auto fit = FitRigid(source, target);
+  ASSERT_TRUE(fit);
+  EXPECT_NEAR(fit->target_from_source.theta, truth.theta, 1e-9);
+  EXPECT_NEAR(fit->similarity_scale, 1.0002, 1e-9);
+}
+
+TEST(FitRigid, IsStationaryUnderSmallMotions) {
+  const std::vector<Eigen::Vector2d> source = {{0, 0}, {10, 1}, {3, -7}};
+  const std::vector<Eigen::Vector2d> target = {{1, 0.2}, {10.9, 1.3}, {4.05, -6.9}};
+  const std::vector<double> weights = {1.0, 2.0, 0.5};
+  const auto fit = FitRigid(source, target, weights);
+  ASSERT_TRUE(fit);
+  const auto cost = [&](const Pose2& pose) {
+    double sum = 0;
+    for (std::size_t i = 0; i < source.size(); ++i) sum += weights[i] * (target[i] - pose * source[i]).squaredNorm();
+    return sum;
+  };
+  const Pose2 best = fit->target_from_source;
+  for (const Pose2& d : {Pose2{1e-4, 0, 0}, Pose2{0, 1e-4, 0}, Pose2{0, 0, 1e-4}}) {
+    EXPECT_GT(cost({best.x + d.x, best.y + d.y, best.theta + d.theta}), cost(best));
+    EXPECT_GT(cost({best.x - d.x, best.y - d.y, best.theta - d.theta}), cost(best));
+  }
+}
+
+TEST(FitRigid, RefusesWhatDoesNotFixTheRotation) {
+  const std::vector<Eigen::Vector2d> one = {{1, 1}};
+  const std::vector<Eigen::Vector2d> same = {{1, 1}, {1, 1}};
+  EXPECT_FALSE(FitRigid(one, one));
+  EXPECT_FALSE(FitRigid(same, same));
+}
+
+}  // namespace
+}  // namespace survey

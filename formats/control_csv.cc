@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/control_csv.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <optional>
+
+#include "formats/atomic_file.h"
+#include "formats/crs_area.h"
+#include "formats/errors.h"
+
+namespace formats {
+namespace {
+
+namespace fs = std::filesystem;
+using survey::ControlPoint;
+using survey::PointRole;
+
+constexpr double kLargestSigmaM = 10.0;
+constexpr const char* kColumns[] = {"point",   "northing",    "easting", "elevation", "sigma_n",
+                                    "sigma_e", "description", "role",    "reason",    "cov_en"};
+
+struct Row {
+  int line = 0;
+  std::vector<std::string> fields;
+};
+
+std::string Trimmed(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string::npos) return "";
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::string Lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::optional<double> Number(const std::string& text) {
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  if (begin != end && *begin == '+') ++begin;
+  double value = 0.0;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  if (begin == end || stop != end || error != std::errc()) return std::nullopt;
+  return value;
+}
+
+std::string Text(double value) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof buffer, "%.10g", value);
+  return buffer;
+}
+
+bool IsUtf8(const std::string& text) {
+  std::size_t i = 0;
+  while (i < text.size()) {
+    const auto lead = static_cast<unsigned char>(text[i]);
+    const std::size_t length = lead < 0x80                   ? 1
+                               : lead >= 0xC2 && lead < 0xE0 ? 2
+                               : (lead >> 4U) == 0xE         ? 3
+                               : lead < 0xF5                 ? 4
+                                                             : 0;
+    if (length == 0 || (lead >= 0x80 && lead < 0xC2) || i + length > text.size()) return false;
+    for (std::size_t k = 1; k < length; ++k) {
+      if ((static_cast<unsigned char>(text[i + k]) >> 6U) != 2) return false;
+    }
+    i += length;
+  }
+  return true;
+}
+
+std::string Utf8OfLatin1(const std::string& text) {
+  std::string utf8;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      utf8 += c;
+    } else {
+      utf8 += static_cast<char>(0xC0U | (byte >> 6U));
+      utf8 += static_cast<char>(0x80U | (byte & 0x3FU));
+    }
+  }
+  return utf8;
+}
+
+class Reader {
+ public:
+  Reader(const fs::path& file, const ControlCsvOptions& options) : file_(file), options_(options) {}
+
+  ControlCsv Read() {
+    ReadRows();
+    if (rows_.empty()) throw DataError(file_.string() + ": holds no points");
+    std::size_t first_point = 0;
+    if (HasHeader()) {
+      ReadHeader();
+      first_point = 1;
+    } else {
+      SetHeaderlessColumns();
+    }
+    for (std::size_t i = first_point; i < rows_.size(); ++i) AddPoint(rows_[i]);
+    if (lines_.empty()) throw DataError(file_.string() + ": holds a header but no points");
+    CheckAxes();
+    for (auto& [name, point] : points_) result_.points.push_back(std::move(point));
+    return std::move(result_);
+  }
+
+ private:
+  std::string At(const Row& row) const { return file_.string() + ":" + std::to_string(row.line) + ": "; }
+
+  void ReadRows() {
+    std::string text = ReadWholeFile(file_);
+    if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+    if (text.find('\0') != std::string::npos) {
+      throw DataError(file_.string() + ": is not a text file in UTF-8 (UTF-16 or binary?); save it as UTF-8 CSV");
+    }
+    if (!IsUtf8(text)) {
+      text = Utf8OfLatin1(text);
+      result_.warnings.push_back(file_.string() + ": is not UTF-8; read as Latin-1");
+    }
+    std::size_t begin = 0;
+    for (int line = 1; begin < text.size(); ++line) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      const std::string content = Trimmed(text.substr(begin, end - begin));
+      begin = end + 1;
+      if (content.empty() || content.front() == '#') continue;
+      Row row{.line = line};
+      SplitInto(content, &row);
+      rows_.push_back(std::move(row));
+    }
+  }
+
+  // Fields between commas; a quoted one may hold commas and "" for a quote.
+  void SplitInto(const std::string& content, Row* row) const {
+    std::string field;
+    bool quoted = false;
+    for (std::size_t i = 0; i < content.size(); ++i) {
+      const char c = content[i];
+      if (quoted && c == '"' && i + 1 < content.size() && content[i + 1] == '"') {
+        field += '"';
+        ++i;
+      } else if (c == '"') {
+        quoted = !quoted;
+      } else if (c == ',' && !quoted) {
+        row->fields.push_back(Trimmed(field));
+        field.clear();
+      } else {
+        field += c;
+      }
+    }
+    if (quoted) throw DataError(At(*row) + "a quoted field is not closed");
+    row->fields.push_back(Trimmed(field));
+    if (row->fields.size() == 1 && content.find_first_of(";\t") != std::string::npos) {
+      throw DataError(At(*row) + "\"" + content +
+                      "\": fields must be separated by commas and numbers written with a decimal point");
+    }
+  }
+
+  // A first row without any number after its first field names the columns.
+  bool HasHeader() const {
+    const std::vector<std::string>& first = rows_.front().fields;
+    return Lower(first.front()) == "point" ||
+           std::none_of(first.begin(), first.end(), [](const std::string& field) { return Number(field).has_value(); });
+  }
+
+  void ReadHeader() {
+    const Row& header = rows_.front();
+    for (std::size_t i = 0; i < header.fields.size(); ++i) {
+      const std::string name = Lower(header.fields[i]);
+      if (std::find(std::begin(kColumns), std::end(kColumns), name) == std::end(kColumns)) {
+        std::string known;
+        for (const char* column : kColumns) known += (known.empty() ? "" : ", ") + std::string(column);
+        throw DataError(At(header) + "unknown column \"" + header.fields[i] + "\"; known are " + known +
+                        " (a file without a header must start with a row of numbers)");
+      }
+      if (!columns_.emplace(name, i).second) throw DataError(At(header) + "column \"" + name + "\" appears twice");
+    }
+    for (const char* needed : {"point", "northing", "easting"}) {
+      if (!columns_.contains(needed)) throw DataError(At(header) + "column \"" + needed + "\" is missing");
+    }
+    if (columns_.contains("sigma_n") != columns_.contains("sigma_e")) {
+      throw DataError(At(header) + "sigma_n and sigma_e must come together");
+    }
+    if (columns_.contains("cov_en") && !columns_.contains("sigma_n")) {
+      throw DataError(At(header) + "cov_en needs sigma_n and sigma_e");
+    }
+    num_columns_ = header.fields.size();
+  }
+
+  void SetHeaderlessColumns() {
+    const Row& first = rows_.front();
+    if (first.fields.size() < 3) {
+      throw DataError(At(first) + "expected point and two coordinates, found " + std::to_string(first.fields.size()) +
+                      " field(s)");
+    }
+    if (options_.order.empty()) {
+      const std::string &a = first.fields[1], &b = first.fields[2];
+      throw DataError(At(first) + "the file has no header, so the order of the coordinates must be told: point " +
+                      first.fields[0] + " has northing " + a + ", easting " + b +
+                      " with control-order = \"pnezd\", or easting " + a + ", northing " + b +
+                      " with control-order = \"penzd\"");
+    }
+    const bool northing_first = options_.order == "pnezd";
+    columns_ = {{"point", 0},
+                {"northing", northing_first ? 1 : 2},
+                {"easting", northing_first ? 2 : 1},
+                {"elevation", 3},
+                {"description", 4}};
+    headerless_ = true;
+    num_columns_ = 5;
+  }
+
+  std::string Field(const Row& row, const std::string& column) const {
+    const auto found = columns_.find(column);
+    return found == columns_.end() || found->second >= row.fields.size() ? "" : row.fields[found->second];
+  }
+
+  std::optional<double> OptionalNumber(const Row& row, const std::string& column) const {
+    const std::string text = Field(row, column);
+    if (text.empty()) return std::nullopt;
+    const std::optional<double> value = Number(text);
+    if (!value) {
+      const bool decimal_comma = text.find(',') != std::string::npos;
+      throw DataError(At(row) + column + " = \"" + text + "\": not a number" +
+                      (decimal_comma ? "; write it with a decimal point, not a comma" : ""));
+    }
+    if (!std::isfinite(*value)) throw DataError(At(row) + column + " = " + text + ": must be a finite number");
+    return value;
+  }
+
+  double NeededNumber(const Row& row, const std::string& column) const {
+    const std::optional<double> value = OptionalNumber(row, column);
+    if (!value) throw DataError(At(row) + column + " is missing (point " + Field(row, "point") + ")");
+    return *value;
+  }
+
+  double Sigma(const Row& row, const std::string& column) const {
+    const double sigma = NeededNumber(row, column);
+    if (sigma <= 0.0) throw DataError(At(row) + column + " = " + Text(sigma) + ": a sigma must be positive (m)");
+    if (sigma > kLargestSigmaM) {
+      throw DataError(At(row) + column + " = " + Text(sigma) + ": a sigma of more than " + Text(kLargestSigmaM) +
+                      " m is not a control coordinate's; are these millimetres?");
+    }
+    return sigma;
+  }
+
+  void CheckNumberOfFields(const Row& row) const {
+    const std::size_t count = row.fields.size();
+    if (headerless_ ? count >= 3 && count <= num_columns_ : count == num_columns_) return;
+    const bool more = count > num_columns_;
+    throw DataError(
+        At(row) + std::to_string(count) + " fields, expected " +
+        (headerless_ ? "3 to 5 (point, two coordinates, elevation, description)"
+                     : std::to_string(num_columns_) + " as in the header") +
+        (more ? "; a text with a comma must be in quotes, and numbers need a decimal point, not a comma" : ""));
+  }
+
+  PointRole RoleOf(const Row& row) const {
+    const std::string text = Lower(Field(row, "role"));
+    if (text.empty()) return PointRole::kControl;
+    for (const PointRole role : {PointRole::kControl, PointRole::kCheck, PointRole::kTie, PointRole::kExcluded}) {
+      if (text == survey::Name(role)) return role;
+    }
+    throw DataError(At(row) + "role = \"" + Field(row, "role") + "\": must be control, check, tie or excluded");
+  }
+
+  Eigen::Matrix2d CovarianceOf(const Row& row) {
+    if (!columns_.contains("sigma_n")) {
+      ++result_.num_default_sigmas;
+      return Eigen::Matrix2d::Identity() * options_.default_sigma_m * options_.default_sigma_m;
+    }
+    const double sigma_n = Sigma(row, "sigma_n");
+    const double sigma_e = Sigma(row, "sigma_e");
+    const double cov_en = OptionalNumber(row, "cov_en").value_or(0.0);
+    if (std::abs(cov_en) >= sigma_n * sigma_e) {
+      throw DataError(At(row) + "cov_en = " + Text(cov_en) + ": must be smaller than sigma_n times sigma_e (m2)");
+    }
+    return (Eigen::Matrix2d() << sigma_e * sigma_e, cov_en, cov_en, sigma_n * sigma_n).finished();
+  }
+
+  void AddPoint(const Row& row) {
+    CheckNumberOfFields(row);
+    ControlPoint point;
+    point.name = Field(row, "point");
+    if (point.name.empty()) throw DataError(At(row) + "point is missing: a point needs a name");
+    point.role = RoleOf(row);
+    point.description = Field(row, "description");
+    point.reason = Field(row, "reason");
+    if (point.role == PointRole::kExcluded && point.reason.empty()) {
+      throw DataError(At(row) + "point " + point.name + " is excluded without a reason");
+    }
+    const bool by_name_only =
+        point.role == PointRole::kTie && Field(row, "northing").empty() && Field(row, "easting").empty();
+    if (!by_name_only) {
+      point.position_in_site = {NeededNumber(row, "easting"), NeededNumber(row, "northing")};
+      point.covariance = CovarianceOf(row);
+      point.elevation_m = OptionalNumber(row, "elevation");
+    }
+    const auto [previous, is_new] = points_.emplace(point.name, point);
+    if (is_new) {
+      lines_.emplace(point.name, row.line);
+    } else {
+      CheckRepeated(row, previous->second, point);
+    }
+  }
+
+  void CheckRepeated(const Row& row, const ControlPoint& first, const ControlPoint& again) {
+    const std::string where =
+        At(row) + "point " + again.name + " is already in row " + std::to_string(lines_.at(again.name));
+    if (first.position_in_site != again.position_in_site) {
+      const auto coordinates = [](const ControlPoint& p) {
+        return "northing " + Text(p.position_in_site.y()) + ", easting " + Text(p.position_in_site.x());
+      };
+      throw DataError(where + " with other coordinates: there " + coordinates(first) + ", here " + coordinates(again));
+    }
+    if (first.role != again.role) {
+      throw DataError(where + " as " + std::string(survey::Name(first.role)) + ", here it is " +
+                      std::string(survey::Name(again.role)) + ": a point has one role");
+    }
+    if (first.covariance != again.covariance || first.elevation_m != again.elevation_m) {
+      throw DataError(where + " with another sigma or elevation");
+    }
+    result_.warnings.push_back(where + " with the same coordinates; taken once");
+  }
+
+  // Coordinates outside the CRS's area of use that fall inside when exchanged were exchanged in the file.
+  void CheckAxes() {
+    if (options_.crs.empty()) return;
+    const CrsArea area(options_.crs);
+    std::vector<std::string> outside;
+    for (const auto& [name, point] : points_) {
+      if (point.covariance.isZero(0.0) || area.Contains(point.position_in_site)) continue;
+      const Eigen::Vector2d& p = point.position_in_site;
+      if (area.Contains({p.y(), p.x()})) {
+        throw DataError(file_.string() + ":" + std::to_string(lines_.at(name)) + ": point " + name +
+                        ": northing and easting look exchanged: as read, northing " + Text(p.y()) + ", easting " +
+                        Text(p.x()) + " lies outside the area of use of " + options_.crs + "; exchanged, northing " +
+                        Text(p.x()) + ", easting " + Text(p.y()) + " lies inside");
+      }
+      outside.push_back(name);
+    }
+    if (outside.empty()) return;
+    result_.warnings.push_back(file_.string() + ": " + std::to_string(outside.size()) + " of " +
+                               std::to_string(points_.size()) + " points (first: " + outside.front() +
+                               ") lie outside the area of use of " + options_.crs);
+  }
+
+  const fs::path& file_;
+  const ControlCsvOptions& options_;
+  std::vector<Row> rows_;
+  std::map<std::string, std::size_t> columns_;
+  std::size_t num_columns_ = 0;
+  bool headerless_ = false;
+  std::map<std::string, ControlPoint> points_;
+  std::map<std::string, int> lines_;
+  ControlCsv result_;
+};
+
+}  // namespace
+
+ControlCsv ReadControlCsv(const fs::path& file, const ControlCsvOptions& options) {
+  return Reader(file, options).Read();
+}
+
+}  // namespace formats

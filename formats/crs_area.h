@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Where on Earth a projected coordinate system is meant to be used.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+namespace formats {
+
+class CrsArea {
+ public:
+  // UsageError when the CRS is not known or not projected.
+  explicit CrsArea(const std::string& crs);
+  ~CrsArea();
+  CrsArea(const CrsArea&) = delete;
+  CrsArea& operator=(const CrsArea&) = delete;
+
+  // False also for coordinates that the projection cannot invert. True everywhere when the area is not on record.
+  bool Contains(const Eigen::Vector2d& east_north) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace formats

@@ -33,8 +33,10 @@ void WriteCogMap(const std::filesystem::path& file, const survey::SiteRaster& ra
 // and file.aux.xml with the CRS.
 void WritePngMap(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label);
 
-// folder/map.yaml and folder/map.pgm; origin = lower left corner; free_thresh 0.196 so that unknown stays unknown.
-void WriteRosMap(const std::filesystem::path& folder, const survey::SiteRaster& raster);
+// folder/map.pgm with map.yaml (origin = lower left corner in site coordinates) and map_local.yaml (the same picture,
+// lower left corner at 0 0: ROS tools keep positions as 32-bit floats); free_thresh 0.196 so that unknown stays
+// unknown.
+void WriteRosMap(const std::filesystem::path& folder, const survey::SiteRaster& raster, const RasterLabel& label);
 
 // WKT2 of "EPSG:25832" and the like; empty for empty. UsageError names a CRS that is not known or not projected.
 std::string Wkt2OfCrs(const std::string& crs);

@@ -42,6 +42,11 @@ struct Scan {
   StampNs stamp_ns = 0;
   int geometry = 0;             // index into Session::geometries
   std::vector<float> ranges_m;  // one per beam; kNoReturn, kInvalidRange
+  // stamp_ns minus the stamp that the raw log prints: not 0 only where a faulty logger clock was repaired. The printed
+  // stamp is what other records of the same drive refer to, so poses are handed out under it.
+  StampNs clock_repair_ns = 0;
+
+  StampNs RecordedStamp() const { return stamp_ns - clock_repair_ns; }
 };
 
 struct ImuSample {
@@ -79,5 +84,13 @@ struct Session {
   std::vector<OdometrySample> odometry;
   std::vector<Mark> marks;
 };
+
+// The stamps to store beside the poses of a session's scans.
+inline std::vector<StampNs> RecordedStamps(const Session& session) {
+  std::vector<StampNs> stamps;
+  stamps.reserve(session.scans.size());
+  for (const Scan& scan : session.scans) stamps.push_back(scan.RecordedStamp());
+  return stamps;
+}
 
 }  // namespace survey

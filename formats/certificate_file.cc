@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/certificate_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+
+namespace nlohmann {
+
+// A value that is not there is null.
+template <typename T>
+struct adl_serializer<std::optional<T>> {
+  static void to_json(json& j, const std::optional<T>& value) {
+    if (value) {
+      j = *value;
+    } else {
+      j = nullptr;
+    }
+  }
+  static void from_json(const json& j, std::optional<T>& value) {
+    value = j.is_null() ? std::nullopt : std::optional<T>(j.get<T>());
+  }
+};
+
+template <>
+struct adl_serializer<Eigen::Vector2d> {
+  static void to_json(json& j, const Eigen::Vector2d& v) { j = {{"e", v.x()}, {"n", v.y()}}; }
+  static void from_json(const json& j, Eigen::Vector2d& v) { v = {j.at("e").get<double>(), j.at("n").get<double>()}; }
+};
+
+template <>
+struct adl_serializer<Eigen::Matrix2d> {
+  static void to_json(json& j, const Eigen::Matrix2d& m) { j = {{"ee", m(0, 0)}, {"en", m(0, 1)}, {"nn", m(1, 1)}}; }
+  static void from_json(const json& j, Eigen::Matrix2d& m) {
+    m(0, 0) = j.at("ee").get<double>();
+    m(0, 1) = m(1, 0) = j.at("en").get<double>();
+    m(1, 1) = j.at("nn").get<double>();
+  }
+};
+
+}  // namespace nlohmann
+
+// The members of the value types under their own names.
+namespace survey {
+
+using nlohmann::json;
+
+NLOHMANN_JSON_SERIALIZE_ENUM(PointRole, {{PointRole::kControl, "control"},
+                                         {PointRole::kCheck, "check"},
+                                         {PointRole::kTie, "tie"},
+                                         {PointRole::kExcluded, "excluded"}})
+NLOHMANN_JSON_SERIALIZE_ENUM(CheckKind, {{CheckKind::kPoint, "check point"}, {CheckKind::kFeature, "check feature"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SiteFrame, crs, wkt2)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ControlPoint, name, role, position_in_site, covariance, elevation_m, description,
+                                   reason)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Bounds, low, high)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BiasTest, t_squared, p_value)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorStatistics, num_errors, num_points, mean, rmse_by_axis, rmse, rmse_survey,
+                                   rmse_product, max, nssda_95, covariance, nmad, ce95, effective_dof, rmse_bounds_95,
+                                   rmse_upper_95, rmse_product_upper_95, bias)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassVerdict, class_m, meets, demonstrated, bias_within, blunders, num_beyond_95,
+                                   largest_rate_beyond_95)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FitResidual, block, point, given, residual, rigid_residual)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TestedCheck, kind, block, name, in_map, reference, error, reference_covariance,
+                                   distance_to_control, blunder)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyTest, statistics, verdict)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RelativeAccuracy, num_features, rms, scale)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockCertificate, name, tied, num_scans, path_length, num_loops, num_control_points,
+                                   num_control_marks, rigid_scale, sigma_zero, degrees_of_freedom, fit_rms,
+                                   rigid_fit_rms, points, features, relative)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingPair, block_a, block_b, feature, difference)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingAccuracy, pairs, rms, max)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, blocks, fit, checks,
+                                   points_test, features_test, stitching, not_tested)
+
+}  // namespace survey
+
+namespace formats {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kFormat = "plumbline certificate";
+constexpr int kVersion = 1;
+
+}  // namespace
+
+void WriteCertificate(const std::filesystem::path& file, const survey::Certificate& certificate,
+                      const Provenance& provenance) {
+  json document = certificate;
+  document["format"] = kFormat;
+  document["version"] = kVersion;
+  document["provenance"] = ToJson(provenance);
+  WriteFileAtomically(file, document.dump(1) + "\n");
+}
+
+survey::Certificate ReadCertificate(const std::filesystem::path& file, Provenance* provenance) {
+  const json document = json::parse(ReadWholeFile(file), nullptr, false);
+  if (!document.is_object() || document.value("format", "") != kFormat) {
+    throw DataError(file.string() + ": is not a certificate (or was cut off)");
+  }
+  if (document.value("version", 0) != kVersion) {
+    throw DataError(file.string() + ": was written by another version; make it again");
+  }
+  try {
+    if (provenance != nullptr) *provenance = ProvenanceFromJson(document.at("provenance"));
+    return document.get<survey::Certificate>();
+  } catch (const json::exception& error) {
+    throw DataError(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace formats

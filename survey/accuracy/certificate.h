@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the certificate of a site says. Lengths in metres, site frame (east, north). Three levels of evidence are kept
+// apart: "tested" (check points and check features that the adjustment never saw), "relative" and "stitching" (the
+// map's inner agreement, [CN] tables 1 and 3), "fit" (control that was used: says nothing about accuracy).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "survey/accuracy/error_statistics.h"
+#include "survey/control/control_point.h"
+
+namespace survey {
+
+// One mark on a control point that took part in the adjustment.
+struct FitResidual {
+  std::string block;
+  std::string point;
+  Eigen::Vector2d given = Eigen::Vector2d::Zero();           // coordinates of the control point
+  Eigen::Vector2d residual = Eigen::Vector2d::Zero();        // adjusted mark - given
+  Eigen::Vector2d rigid_residual = Eigen::Vector2d::Zero();  // before the adjustment, after a rigid fit
+};
+
+enum class CheckKind { kPoint, kFeature };  // a mark of the platform on a check point; a feature measured in the map
+
+struct TestedCheck {
+  CheckKind kind = CheckKind::kPoint;
+  std::string block;
+  std::string name;
+  Eigen::Vector2d in_map = Eigen::Vector2d::Zero();
+  Eigen::Vector2d reference = Eigen::Vector2d::Zero();
+  Eigen::Vector2d error = Eigen::Vector2d::Zero();                 // in_map - reference
+  Eigen::Matrix2d reference_covariance = Eigen::Matrix2d::Zero();  // survey and picking, m2
+  std::optional<double> distance_to_control;                       // to the nearest used control point of the site
+  bool blunder = false;                                            // beyond the class's blunder limit; never dropped
+};
+
+// Errors of one kind of check over one block or the site.
+struct AccuracyTest {
+  ErrorStatistics statistics;
+  std::optional<ClassVerdict> verdict;  // with a class and at least one check
+};
+
+// Common features after a rigid fit: the map's own shape, wherever it lies.
+struct RelativeAccuracy {
+  int num_features = 0;
+  double rms = 0.0;    // of the lengths of the residuals
+  double scale = 1.0;  // a four-parameter fit's; not applied
+};
+
+struct BlockCertificate {
+  std::string name;
+  bool tied = false;  // else: local frame, never certified
+  int num_scans = 0;
+  double path_length = 0.0;
+  int num_loops = 0;
+  int num_control_points = 0;
+  int num_control_marks = 0;
+  double rigid_scale = 1.0;
+  double sigma_zero = 0.0;
+  int degrees_of_freedom = 0;
+  double fit_rms = 0.0;        // of the residuals at used control: not an accuracy
+  double rigid_fit_rms = 0.0;  // the same before the adjustment
+  AccuracyTest points;         // tested on check points
+  AccuracyTest features;       // tested on check features
+  std::optional<RelativeAccuracy> relative;
+};
+
+// Differences of features that two blocks show.
+struct StitchingPair {
+  std::string block_a, block_b;
+  std::string feature;
+  Eigen::Vector2d difference = Eigen::Vector2d::Zero();  // position in a - position in b
+};
+
+struct StitchingAccuracy {
+  std::vector<StitchingPair> pairs;
+  double rms = 0.0;  // of the lengths of the differences, [CN] table 3
+  double max = 0.0;
+};
+
+struct Statement {
+  std::string tested_on = "nothing";  // or "check features", "check points"
+  int num_points = 0;
+  std::string asprs;
+  std::string nssda;
+  std::optional<bool> meets;         // worst of all tests; empty without class or checks
+  std::optional<bool> demonstrated;  // the same, at 95 % confidence
+};
+
+struct Certificate {
+  std::string site;
+  SiteFrame frame;
+  std::optional<double> class_m;  // RMSE_H asked for
+  bool tied = false;              // at least one block is; otherwise this is a map report
+  Statement statement;
+  std::vector<ControlPoint> points;  // the control list
+  std::vector<BlockCertificate> blocks;
+  std::vector<FitResidual> fit;
+  std::vector<TestedCheck> checks;
+  AccuracyTest points_test;  // all tied blocks together
+  AccuracyTest features_test;
+  StitchingAccuracy stitching;
+  std::vector<std::string> not_tested;  // sentences
+};
+
+}  // namespace survey

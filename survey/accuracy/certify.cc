@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/accuracy/certify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "survey/accuracy/statement.h"
+#include "survey/control/block_extract.h"
+#include "survey/geometry/rigid_fit.h"
+
+namespace survey {
+namespace {
+
+constexpr int kFewestForRelative = 3;
+
+const LocatedFeature* FindFeature(const std::vector<LocatedFeature>& features, const std::string& name) {
+  const auto found = std::find_if(features.begin(), features.end(), [&](const auto& f) { return f.name == name; });
+  return found == features.end() ? nullptr : &*found;
+}
+
+double Rms(const std::vector<Eigen::Vector2d>& errors) {
+  double sum = 0.0;
+  for (const Eigen::Vector2d& error : errors) sum += error.squaredNorm();
+  return errors.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(errors.size()));
+}
+
+double PathLength(const std::vector<SolvedScan>& scans) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    length += (scans[i].site_from_scan.Translation() - scans[i - 1].site_from_scan.Translation()).norm();
+  }
+  return length;
+}
+
+class Certifier {
+ public:
+  explicit Certifier(const CertifyInput& input) : input_(input) {}
+
+  Certificate Run() {
+    certificate_.site = input_.site;
+    certificate_.frame = input_.network.frame;
+    certificate_.class_m = input_.class_m;
+    certificate_.points = input_.network.points;
+    CollectFit();
+    for (const CertifiedBlock& block : input_.blocks) {
+      if (block.solution.tied) CollectChecks(block);
+    }
+    for (const CertifiedBlock& block : input_.blocks) certificate_.blocks.push_back(Summary(block));
+    certificate_.points_test = Test(CheckKind::kPoint, nullptr);
+    certificate_.features_test = Test(CheckKind::kFeature, nullptr);
+    FlagBlunders();
+    CompareBlocks();
+    MakeStatement();
+    ListUntested();
+    return std::move(certificate_);
+  }
+
+ private:
+  void CollectFit() {
+    for (const CertifiedBlock& block : input_.blocks) {
+      if (!block.solution.tied) continue;
+      certificate_.tied = true;
+      for (const SolvedMark& mark : block.solution.marks) {
+        if (!mark.used) continue;
+        certificate_.fit.push_back({.block = block.name,
+                                    .point = mark.point,
+                                    .given = mark.position_in_site - mark.residual,
+                                    .residual = mark.residual,
+                                    .rigid_residual = mark.rigid_residual});
+      }
+    }
+  }
+
+  std::optional<double> DistanceToControl(const Eigen::Vector2d& position) const {
+    std::optional<double> nearest;
+    for (const FitResidual& control : certificate_.fit) {
+      const double distance = (control.given - position).norm();
+      nearest = std::min(nearest.value_or(distance), distance);
+    }
+    return nearest;
+  }
+
+  void AddCheck(CheckKind kind, const std::string& block, const std::string& name, const Eigen::Vector2d& in_map,
+                const Eigen::Vector2d& reference, const Eigen::Matrix2d& covariance) {
+    certificate_.checks.push_back({.kind = kind,
+                                   .block = block,
+                                   .name = name,
+                                   .in_map = in_map,
+                                   .reference = reference,
+                                   .error = in_map - reference,
+                                   .reference_covariance = covariance,
+                                   .distance_to_control = DistanceToControl(reference)});
+  }
+
+  void CollectChecks(const CertifiedBlock& block) {
+    const Eigen::Matrix2d centring = Eigen::Matrix2d::Identity() * input_.centring_sigma_m * input_.centring_sigma_m;
+    for (const SolvedMark& mark : block.solution.marks) {
+      const ControlPoint* point = FindPoint(input_.network, mark.point);
+      if (point == nullptr || point->role != PointRole::kCheck || mark.used) continue;
+      AddCheck(CheckKind::kPoint, block.name, mark.point, mark.position_in_site, point->position_in_site,
+               point->covariance + centring);
+    }
+    for (const LocatedFeature& feature : block.features) {
+      const LocatedFeature* reference = FindFeature(input_.reference_features, feature.name);
+      if (reference == nullptr) continue;
+      AddCheck(CheckKind::kFeature, block.name, feature.name, feature.position_in_site, reference->position_in_site,
+               reference->covariance + feature.covariance);
+    }
+  }
+
+  // The test over one block, or over all with null.
+  AccuracyTest Test(CheckKind kind, const std::string* block) const {
+    std::map<std::string, int> points;
+    std::vector<PositionError> errors;
+    for (const TestedCheck& check : certificate_.checks) {
+      if (check.kind != kind || (block != nullptr && check.block != *block)) continue;
+      const int point = points.emplace(check.name, static_cast<int>(points.size())).first->second;
+      errors.push_back({.point = point, .error = check.error, .reference_covariance = check.reference_covariance});
+    }
+    AccuracyTest test{.statistics = Summarize(errors)};
+    if (input_.class_m) test.verdict = JudgeClass(errors, test.statistics, *input_.class_m);
+    return test;
+  }
+
+  BlockCertificate Summary(const CertifiedBlock& block) const {
+    const Solution& solution = block.solution;
+    BlockCertificate summary{.name = block.name,
+                             .tied = solution.tied,
+                             .num_scans = static_cast<int>(solution.scans.size()),
+                             .path_length = PathLength(solution.scans),
+                             .num_loops = solution.statistics.num_loops,
+                             .rigid_scale = solution.rigid_scale,
+                             .sigma_zero = solution.statistics.sigma_zero,
+                             .degrees_of_freedom = solution.statistics.degrees_of_freedom};
+    std::vector<Eigen::Vector2d> residuals, rigid_residuals;
+    std::set<std::string> points;
+    for (const FitResidual& fit : certificate_.fit) {
+      if (fit.block != block.name) continue;
+      points.insert(fit.point);
+      residuals.push_back(fit.residual);
+      rigid_residuals.push_back(fit.rigid_residual);
+    }
+    summary.num_control_points = static_cast<int>(points.size());
+    summary.num_control_marks = static_cast<int>(residuals.size());
+    summary.fit_rms = Rms(residuals);
+    summary.rigid_fit_rms = Rms(rigid_residuals);
+    summary.points = Test(CheckKind::kPoint, &block.name);
+    summary.features = Test(CheckKind::kFeature, &block.name);
+    summary.relative = Relative(block);
+    return summary;
+  }
+
+  std::optional<RelativeAccuracy> Relative(const CertifiedBlock& block) const {
+    std::vector<Eigen::Vector2d> in_map, reference;
+    for (const LocatedFeature& feature : block.features) {
+      const LocatedFeature* known = FindFeature(input_.reference_features, feature.name);
+      if (known == nullptr) continue;
+      in_map.push_back(feature.position_in_site);
+      reference.push_back(known->position_in_site);
+    }
+    if (in_map.size() < kFewestForRelative) return std::nullopt;
+    const std::optional<RigidFit> fit = FitRigid(in_map, reference);
+    if (!fit) return std::nullopt;
+    return RelativeAccuracy{static_cast<int>(in_map.size()), fit->rms_m, fit->similarity_scale};
+  }
+
+  void FlagBlunders() {
+    for (const CheckKind kind : {CheckKind::kPoint, CheckKind::kFeature}) {
+      const AccuracyTest& test = kind == CheckKind::kPoint ? certificate_.points_test : certificate_.features_test;
+      if (!test.verdict) continue;
+      int index = 0;
+      for (TestedCheck& check : certificate_.checks) {
+        if (check.kind != kind) continue;
+        const std::vector<int>& blunders = test.verdict->blunders;
+        check.blunder = std::find(blunders.begin(), blunders.end(), index++) != blunders.end();
+      }
+    }
+  }
+
+  void CompareBlocks() {
+    StitchingAccuracy& stitching = certificate_.stitching;
+    std::vector<Eigen::Vector2d> differences;
+    for (std::size_t a = 0; a < input_.blocks.size(); ++a) {
+      for (std::size_t b = a + 1; b < input_.blocks.size(); ++b) {
+        if (!input_.blocks[a].solution.tied || !input_.blocks[b].solution.tied) continue;
+        for (const LocatedFeature& in_a : input_.blocks[a].features) {
+          const LocatedFeature* in_b = FindFeature(input_.blocks[b].features, in_a.name);
+          if (in_b == nullptr) continue;
+          differences.push_back(in_a.position_in_site - in_b->position_in_site);
+          stitching.pairs.push_back({input_.blocks[a].name, input_.blocks[b].name, in_a.name, differences.back()});
+          stitching.max = std::max(stitching.max, differences.back().norm());
+        }
+      }
+    }
+    stitching.rms = Rms(differences);
+  }
+
+  // Features test the map itself, so they carry the statement where there are any; the verdict needs every test.
+  void MakeStatement() {
+    Statement& statement = certificate_.statement;
+    if (!certificate_.tied) return;
+    const bool on_features = certificate_.features_test.statistics.num_points > 0;
+    const AccuracyTest& test = on_features ? certificate_.features_test : certificate_.points_test;
+    StatementInput wording{.num_points = test.statistics.num_points, .class_m = input_.class_m};
+    if (wording.num_points > 0) {
+      statement.tested_on = on_features ? "check features" : "check points";
+      wording.rmse_product = test.statistics.rmse_product;
+      wording.nssda_95 = test.statistics.nssda_95;
+    }
+    statement.num_points = wording.num_points;
+    statement.asprs = AsprsStatement(wording);
+    statement.nssda = NssdaStatement(wording);
+    for (const AccuracyTest* each : {&certificate_.features_test, &certificate_.points_test}) {
+      if (!each->verdict) continue;
+      statement.meets = statement.meets.value_or(true) && each->verdict->meets;
+      statement.demonstrated = statement.demonstrated.value_or(true) && each->verdict->demonstrated;
+    }
+  }
+
+  void ListUntested() {
+    std::vector<std::string>& list = certificate_.not_tested;
+    for (const BlockCertificate& block : certificate_.blocks) {
+      if (!block.tied) {
+        list.push_back("Block " + block.name +
+                       " is not tied to control: it lies in its local frame and is not certified.");
+      } else if (block.points.statistics.num_points + block.features.statistics.num_points == 0) {
+        list.push_back("Block " + block.name +
+                       " holds no check point and no check feature: its accuracy was not tested.");
+      }
+    }
+    std::set<std::string> found;
+    for (const TestedCheck& check : certificate_.checks) found.insert(check.name);
+    ListMissing("Check point", " was not occupied in any tied block.", found, &list);
+    for (const LocatedFeature& feature : input_.reference_features) {
+      if (!found.contains(feature.name)) {
+        list.push_back("Check feature " + feature.name + " was not found in the map of any tied block.");
+      }
+    }
+    list.push_back("Heights were not tested: the map is plane.");
+  }
+
+  void ListMissing(const std::string& what, const std::string& why, const std::set<std::string>& found,
+                   std::vector<std::string>* list) const {
+    for (const ControlPoint& point : input_.network.points) {
+      if (point.role == PointRole::kCheck && !found.contains(point.name))
+        list->push_back(what + " " + point.name + why);
+    }
+  }
+
+  const CertifyInput& input_;
+  Certificate certificate_;
+};
+
+}  // namespace
+
+std::vector<std::string> FindContradictions(const CertifyInput& input) {
+  std::vector<std::string> found;
+  for (const CertifiedBlock& block : input.blocks) {
+    if (block.solution.tied && block.solution.frame.crs != input.network.frame.crs) {
+      found.push_back("the solution of block " + block.name + " is in \"" + block.solution.frame.crs +
+                      "\", the control in \"" + input.network.frame.crs + "\"");
+    }
+    for (const SolvedMark& mark : block.solution.marks) {
+      const ControlPoint* point = FindPoint(input.network, mark.point);
+      if (!mark.used || (point != nullptr && point->role == PointRole::kControl)) continue;
+      found.push_back("point " + mark.point + " was used as control in the solution of block " + block.name +
+                      (point == nullptr ? " but is not in the control list"
+                                        : " but its role is " + std::string(Name(point->role))) +
+                      ": a check must not be control; adjust the block again");
+    }
+  }
+  std::set<std::string> names;
+  for (const LocatedFeature& feature : input.reference_features) {
+    if (!names.insert(feature.name).second) found.push_back("feature " + feature.name + " is listed twice");
+    const ControlPoint* point = FindPoint(input.network, feature.name);
+    if (point != nullptr && point->role != PointRole::kExcluded) {
+      found.push_back("check feature " + feature.name + " bears the name of a point of the control list");
+    }
+  }
+  return found;
+}
+
+Certificate Certify(const CertifyInput& input) { return Certifier(input).Run(); }
+
+}  // namespace survey

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// From the solutions of the blocks, the control list and the features found in the maps to the certificate.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "survey/accuracy/certificate.h"
+#include "survey/control/control_point.h"
+#include "survey/graph/solution.h"
+
+namespace survey {
+
+// A feature with coordinates from an independent survey, or as found in a map.
+struct LocatedFeature {
+  std::string name;
+  Eigen::Vector2d position_in_site = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+
+struct CertifiedBlock {
+  std::string name;
+  Solution solution;
+  std::vector<LocatedFeature> features;  // found in the block's map
+};
+
+struct CertifyInput {
+  std::string site;
+  ControlNetwork network;
+  std::vector<CertifiedBlock> blocks;
+  std::vector<LocatedFeature> reference_features;
+  std::optional<double> class_m;
+  double centring_sigma_m = 0.005;  // of the platform over a check point, 1 sigma per axis
+};
+
+// What makes the checks dependent on the control, or the inputs contradict each other; empty when all is well.
+// A certificate must not be made when this is not empty.
+std::vector<std::string> FindContradictions(const CertifyInput& input);
+
+Certificate Certify(const CertifyInput& input);
+
+}  // namespace survey

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/control/block_extract.h"
+
+#include <algorithm>
+#include <cctype>
+#include <numeric>
+#include <set>
+
+namespace survey {
+namespace {
+
+std::size_t EditDistance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const bool same =
+          std::tolower(static_cast<unsigned char>(a[i])) == std::tolower(static_cast<unsigned char>(b[j]));
+      const std::size_t replaced = diagonal + (same ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+const ControlPoint* FindPoint(const ControlNetwork& network, const std::string& name) {
+  const auto found = std::find_if(network.points.begin(), network.points.end(),
+                                  [&](const ControlPoint& point) { return point.name == name; });
+  return found == network.points.end() ? nullptr : &*found;
+}
+
+ControlNetwork ExtractOfBlock(const ControlNetwork& network, const std::vector<std::string>& marked) {
+  const std::set<std::string> names(marked.begin(), marked.end());
+  ControlNetwork extract{.frame = network.frame};
+  for (const ControlPoint& point : network.points) {
+    const bool usable = point.role == PointRole::kControl || point.role == PointRole::kTie;
+    if (usable && names.contains(point.name)) extract.points.push_back(point);
+  }
+  return extract;
+}
+
+std::vector<std::pair<std::string, std::string>> ChecksOnControl(const ControlNetwork& network, double distance_m) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const ControlPoint& check : network.points) {
+    if (check.role != PointRole::kCheck) continue;
+    for (const ControlPoint& control : network.points) {
+      if (control.role != PointRole::kControl) continue;
+      if ((check.position_in_site - control.position_in_site).norm() < distance_m) {
+        pairs.emplace_back(check.name, control.name);
+      }
+    }
+  }
+  return pairs;
+}
+
+std::vector<std::string> SimilarNames(const ControlNetwork& network, const std::string& name, std::size_t count) {
+  std::vector<std::pair<std::size_t, std::string>> ranked;
+  for (const ControlPoint& point : network.points) {
+    const std::size_t distance = EditDistance(point.name, name);
+    if (2 * distance < std::max(name.size(), point.name.size()) + 1) ranked.emplace_back(distance, point.name);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  std::vector<std::string> names;
+  for (const auto& [distance, similar] : ranked) {
+    if (names.size() < count) names.push_back(similar);
+  }
+  return names;
+}
+
+}  // namespace survey

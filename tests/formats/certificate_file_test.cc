@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/certificate_file.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+#include "survey/accuracy/certify.h"
+#include "tests/support/json_schema.h"
+#include "tests/support/scratch_folder.h"
+
+namespace {
+
+survey::Certificate Example() {
+  survey::CertifyInput input{
+      .site = "garage", .network = {.frame = {.crs = "EPSG:25832", .wkt2 = "PROJCRS[]"}}, .class_m = 0.05};
+  const Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity() * 4e-6;
+  input.network.points = {{.name = "C1", .covariance = covariance, .elevation_m = 3.25, .description = "nail"},
+                          {.name = "K1", .role = survey::PointRole::kCheck, .position_in_site = {5, 5}},
+                          {.name = "X1", .role = survey::PointRole::kExcluded, .reason = "disturbed"}};
+  for (const int i : {0, 1, 2, 3}) {
+    input.reference_features.push_back({"F" + std::to_string(i), {10.0 * i, i * i * 1.0}, covariance});
+  }
+  survey::Solution solution{.tied = true, .frame = input.network.frame};
+  solution.marks = {{.point = "C1", .used = true, .residual = {0.001, 0.002}},
+                    {.point = "K1", .position_in_site = {5.01, 5}}};
+  std::vector<survey::LocatedFeature> features = input.reference_features;
+  for (survey::LocatedFeature& feature : features)
+    feature.position_in_site += Eigen::Vector2d(0.01, 0.1 / 3.0 * feature.position_in_site.x());
+  input.blocks = {{"B1", solution, features}, {"B2", solution, input.reference_features}};
+  return survey::Certify(input);
+}
+
+const formats::Provenance kProvenance = {.records = {{.stage = "certify", .version = "1"}}};
+
+TEST(CertificateFileTest, ReadsBackWhatItWrote) {
+  const test_support::ScratchFolder scratch;
+  formats::WriteCertificate(scratch / "a.json", Example(), kProvenance);
+  formats::Provenance provenance;
+  const survey::Certificate read = formats::ReadCertificate(scratch / "a.json", &provenance);
+  EXPECT_EQ(provenance.Own().stage, "certify");
+  EXPECT_EQ(read.checks.at(1).error, Example().checks.at(1).error);
+  formats::WriteCertificate(scratch / "b.json", read, kProvenance);
+  EXPECT_EQ(formats::ReadWholeFile(scratch / "a.json"), formats::ReadWholeFile(scratch / "b.json"));
+}
+
+TEST(CertificateFileTest, FollowsItsSchema) {
+  const test_support::ScratchFolder scratch;
+  const nlohmann::json schema =
+      nlohmann::json::parse(formats::ReadWholeFile(PLUMBLINE_SOURCE_DIR "/formats/certificate.schema.json"));
+  survey::Certificate untested;
+  untested.blocks.push_back({.name = "B1"});
+  for (const survey::Certificate& certificate : {Example(), survey::Certificate(), untested}) {
+    formats::WriteCertificate(scratch / "a.json", certificate, kProvenance);
+    nlohmann::json document = nlohmann::json::parse(formats::ReadWholeFile(scratch / "a.json"));
+    EXPECT_EQ(test_support::SchemaViolation(schema, document), "");
+    document["statement"].erase("asprs");
+    EXPECT_NE(test_support::SchemaViolation(schema, document), "");
+  }
+}
+
+TEST(CertificateFileTest, RefusesOtherFiles) {
+  const test_support::ScratchFolder scratch;
+  const auto refused = [&](const std::string& content) {
+    formats::WriteFileAtomically(scratch / "a.json", content);
+    EXPECT_THROW(formats::ReadCertificate(scratch / "a.json"), formats::DataError) << content;
+  };
+  refused("");
+  refused("{\"format\": \"plumbline cert");
+  refused("[1, 2]");
+  refused(R"({"format": "plumbline certificate", "version": 99})");
+  refused(R"({"format": "plumbline certificate", "version": 1, "site": 7})");
+}
+
+}  // namespace

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/accuracy/certify.h"
+
+#include <gtest/gtest.h>
+
+namespace survey {
+namespace {
+
+const Eigen::Matrix2d kSurvey = Eigen::Matrix2d::Identity() * 0.002 * 0.002;
+
+SolvedMark Used(const std::string& point, const Eigen::Vector2d& given, const Eigen::Vector2d& residual) {
+  return {.point = point,
+          .used = true,
+          .position_in_site = given + residual,
+          .residual = residual,
+          .rigid_residual = 10.0 * residual};
+}
+
+// Two tied blocks and one that is not; a check point in B1, features in B1 and B2.
+CertifyInput Input() {
+  CertifyInput input{.site = "garage", .network = {.frame = {.crs = "EPSG:25832"}}, .class_m = 0.05};
+  input.network.points = {{.name = "C1", .position_in_site = {0, 0}, .covariance = kSurvey},
+                          {.name = "C2", .position_in_site = {10, 0}, .covariance = kSurvey},
+                          {.name = "K1", .role = PointRole::kCheck, .position_in_site = {5, 5}, .covariance = kSurvey},
+                          {.name = "K2", .role = PointRole::kCheck, .position_in_site = {9, 9}, .covariance = kSurvey}};
+  input.reference_features = {{"F1", {0, 1}, kSurvey}, {"F2", {8, 1}, kSurvey}, {"F3", {8, 7}, kSurvey}};
+  Solution tied{.tied = true, .frame = input.network.frame};
+  tied.marks = {Used("C1", {0, 0}, {0.001, 0}),
+                Used("C2", {10, 0}, {0, 0.003}),
+                {.point = "K1", .position_in_site = {5.03, 4.96}}};
+  tied.scans = {{.site_from_scan = {0, 0, 0}}, {.site_from_scan = {3, 4, 0}}};
+  input.blocks.push_back(
+      {"B1", tied, {{"F1", {0.02, 1}, kSurvey}, {"F2", {8.02, 1}, kSurvey}, {"F3", {8.02, 7}, kSurvey}}});
+  tied.marks.pop_back();
+  input.blocks.push_back({"B2", tied, {{"F1", {0, 1.04}, kSurvey}}});
+  Solution loose;
+  loose.marks = {{.point = "K1", .position_in_site = {700, 700}}};
+  input.blocks.push_back({"B3", loose, {{"F1", {500, 500}, kSurvey}}});
+  return input;
+}
+
+TEST(CertifyTest, KeepsTheLevelsApart) {
+  const Certificate c = Certify(Input());
+  EXPECT_TRUE(c.tied);
+  // fit: four marks on two points, never among the checks.
+  EXPECT_EQ(c.fit.size(), 4U);
+  EXPECT_EQ(c.blocks[0].num_control_points, 2);
+  EXPECT_NEAR(c.blocks[0].fit_rms, std::sqrt((1e-6 + 9e-6) / 2), 1e-12);
+  EXPECT_NEAR(c.blocks[0].rigid_fit_rms, 10 * c.blocks[0].fit_rms, 1e-12);
+  EXPECT_EQ(c.blocks[0].path_length, 5.0);
+  // tested points: K1 in B1 alone, sqrt(0.03^2 + 0.04^2); its survey is 2 (2 mm)^2 plus centring 2 (5 mm)^2.
+  EXPECT_EQ(c.points_test.statistics.num_points, 1);
+  EXPECT_NEAR(c.points_test.statistics.rmse, 0.05, 1e-9);
+  EXPECT_NEAR(c.points_test.statistics.rmse_survey, std::sqrt(2 * (4e-6 + 25e-6)), 1e-9);
+  EXPECT_FALSE(c.points_test.verdict->meets);
+  // tested features: three points, four errors.
+  EXPECT_EQ(c.features_test.statistics.num_points, 3);
+  EXPECT_EQ(c.features_test.statistics.num_errors, 4);
+  EXPECT_NEAR(c.features_test.statistics.rmse, std::sqrt((3 * 0.0004 + 0.0016) / 4), 1e-9);
+  // relative: B1 is shifted as a whole. stitching: F1 between B1 and B2.
+  ASSERT_TRUE(c.blocks[0].relative);
+  EXPECT_NEAR(c.blocks[0].relative->rms, 0.0, 1e-9);
+  EXPECT_FALSE(c.blocks[1].relative);
+  ASSERT_EQ(c.stitching.pairs.size(), 1U);
+  EXPECT_NEAR(c.stitching.rms, std::hypot(0.02, 0.04), 1e-9);
+}
+
+TEST(CertifyTest, StatesTheFeaturesAndJudgesByTheWorstTest) {
+  const Certificate c = Certify(Input());
+  EXPECT_EQ(c.statement.tested_on, "check features");
+  EXPECT_EQ(c.statement.num_points, 3);
+  EXPECT_TRUE(c.features_test.verdict->meets);
+  EXPECT_FALSE(*c.statement.meets);  // the check point does not
+  CertifyInput without_features = Input();
+  without_features.reference_features.clear();
+  EXPECT_EQ(Certify(without_features).statement.tested_on, "check points");
+}
+
+TEST(CertifyTest, BlocksInTheirLocalFrameAreNeverTested) {
+  Certificate c = Certify(Input());
+  EXPECT_FALSE(c.blocks[2].tied);
+  for (const TestedCheck& check : c.checks) EXPECT_NE(check.block, "B3");
+  EXPECT_NE(c.not_tested.front().find("B3 is not tied to control"), std::string::npos);
+  CertifyInput only_loose = Input();
+  only_loose.blocks.erase(only_loose.blocks.begin(), only_loose.blocks.begin() + 2);
+  c = Certify(only_loose);
+  EXPECT_FALSE(c.tied);
+  EXPECT_TRUE(c.statement.asprs.empty());
+  EXPECT_FALSE(c.statement.meets.has_value());
+}
+
+TEST(CertifyTest, NothingToTest) {
+  CertifyInput input = Input();
+  input.reference_features.clear();
+  input.blocks[0].solution.marks.pop_back();
+  const Certificate c = Certify(input);
+  EXPECT_EQ(c.statement.tested_on, "nothing");
+  EXPECT_NE(c.statement.asprs.find("produced to meet"), std::string::npos);
+  EXPECT_FALSE(c.statement.meets.has_value());
+  EXPECT_EQ(c.not_tested.size(), 6U);  // B1, B2, B3, K1, K2, heights
+}
+
+TEST(CertifyTest, ListsWhatWasNotFound) {
+  const Certificate c = Certify(Input());
+  EXPECT_NE(std::find(c.not_tested.begin(), c.not_tested.end(), "Check point K2 was not occupied in any tied block."),
+            c.not_tested.end());
+}
+
+TEST(CertifyTest, FindsChecksThatAreControl) {
+  EXPECT_TRUE(FindContradictions(Input()).empty());
+  CertifyInput used = Input();
+  used.blocks[0].solution.marks[2].used = true;
+  ASSERT_EQ(FindContradictions(used).size(), 1U);
+  EXPECT_NE(FindContradictions(used)[0].find("point K1 was used as control in the solution of block B1"),
+            std::string::npos);
+  CertifyInput feature = Input();
+  feature.reference_features.push_back({"C1", {0, 0}, kSurvey});
+  EXPECT_NE(FindContradictions(feature).at(0).find("check feature C1 bears the name"), std::string::npos);
+  CertifyInput twice = Input();
+  twice.reference_features.push_back(twice.reference_features[0]);
+  EXPECT_EQ(FindContradictions(twice).at(0), "feature F1 is listed twice");
+  CertifyInput frames = Input();
+  frames.network.frame.crs = "EPSG:25833";
+  EXPECT_EQ(FindContradictions(frames).size(), 2U);
+}
+
+}  // namespace
+}  // namespace survey

@@ -2,15 +2,14 @@
 #include "formats/control_csv.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <optional>
 
-#include "formats/atomic_file.h"
 #include "formats/crs_area.h"
 #include "formats/errors.h"
+#include "formats/line_reader.h"
+#include "formats/text_numbers.h"
 
 namespace formats {
 namespace {
@@ -28,31 +27,9 @@ struct Row {
   std::vector<std::string> fields;
 };
 
-std::string Trimmed(const std::string& text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string::npos) return "";
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 std::string Lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
-}
-
-std::optional<double> Number(const std::string& text) {
-  const char* begin = text.data();
-  const char* end = begin + text.size();
-  if (begin != end && *begin == '+') ++begin;
-  double value = 0.0;
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (begin == end || stop != end || error != std::errc()) return std::nullopt;
-  return value;
-}
-
-std::string Text(double value) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof buffer, "%.10g", value);
-  return buffer;
 }
 
 bool IsUtf8(const std::string& text) {
@@ -112,25 +89,20 @@ class Reader {
   std::string At(const Row& row) const { return file_.string() + ":" + std::to_string(row.line) + ": "; }
 
   void ReadRows() {
-    std::string text = ReadWholeFile(file_);
-    if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
-    if (text.find('\0') != std::string::npos) {
-      throw DataError(file_.string() + ": is not a text file in UTF-8 (UTF-16 or binary?); save it as UTF-8 CSV");
-    }
-    if (!IsUtf8(text)) {
-      text = Utf8OfLatin1(text);
-      result_.warnings.push_back(file_.string() + ": is not UTF-8; read as Latin-1");
-    }
-    std::size_t begin = 0;
-    for (int line = 1; begin < text.size(); ++line) {
-      const std::size_t end = std::min(text.find('\n', begin), text.size());
-      const std::string content = Trimmed(text.substr(begin, end - begin));
-      begin = end + 1;
+    LineReader lines(file_);
+    bool other_encoding = false;
+    for (std::string_view line; lines.Next(&line);) {
+      std::string content(Trimmed(line));
       if (content.empty() || content.front() == '#') continue;
-      Row row{.line = line};
+      if (!IsUtf8(content)) {
+        content = Utf8OfLatin1(content);
+        other_encoding = true;
+      }
+      Row row{.line = lines.line_number()};
       SplitInto(content, &row);
       rows_.push_back(std::move(row));
     }
+    if (other_encoding) result_.warnings.push_back(file_.string() + ": is not UTF-8; read as Latin-1");
   }
 
   // Fields between commas; a quoted one may hold commas and "" for a quote.
@@ -145,14 +117,14 @@ class Reader {
       } else if (c == '"') {
         quoted = !quoted;
       } else if (c == ',' && !quoted) {
-        row->fields.push_back(Trimmed(field));
+        row->fields.emplace_back(Trimmed(field));
         field.clear();
       } else {
         field += c;
       }
     }
     if (quoted) throw DataError(At(*row) + "a quoted field is not closed");
-    row->fields.push_back(Trimmed(field));
+    row->fields.emplace_back(Trimmed(field));
     if (row->fields.size() == 1 && content.find_first_of(";\t") != std::string::npos) {
       throw DataError(At(*row) + "\"" + content +
                       "\": fields must be separated by commas and numbers written with a decimal point");
@@ -162,8 +134,9 @@ class Reader {
   // A first row without any number after its first field names the columns.
   bool HasHeader() const {
     const std::vector<std::string>& first = rows_.front().fields;
-    return Lower(first.front()) == "point" ||
-           std::none_of(first.begin(), first.end(), [](const std::string& field) { return Number(field).has_value(); });
+    return Lower(first.front()) == "point" || std::none_of(first.begin(), first.end(), [](const std::string& field) {
+             return ParseNumber(field).has_value();
+           });
   }
 
   void ReadHeader() {
@@ -221,13 +194,8 @@ class Reader {
   std::optional<double> OptionalNumber(const Row& row, const std::string& column) const {
     const std::string text = Field(row, column);
     if (text.empty()) return std::nullopt;
-    const std::optional<double> value = Number(text);
-    if (!value) {
-      const bool decimal_comma = text.find(',') != std::string::npos;
-      throw DataError(At(row) + column + " = \"" + text + "\": not a number" +
-                      (decimal_comma ? "; write it with a decimal point, not a comma" : ""));
-    }
-    if (!std::isfinite(*value)) throw DataError(At(row) + column + " = " + text + ": must be a finite number");
+    const std::optional<double> value = ParseNumber(text);
+    if (!value) throw DataError(At(row) + column + " = \"" + text + "\": " + WhyNotANumber(text));
     return value;
   }
 
@@ -239,10 +207,10 @@ class Reader {
 
   double Sigma(const Row& row, const std::string& column) const {
     const double sigma = NeededNumber(row, column);
-    if (sigma <= 0.0) throw DataError(At(row) + column + " = " + Text(sigma) + ": a sigma must be positive (m)");
+    if (sigma <= 0.0) throw DataError(At(row) + column + " = " + NumberText(sigma) + ": a sigma must be positive (m)");
     if (sigma > kLargestSigmaM) {
-      throw DataError(At(row) + column + " = " + Text(sigma) + ": a sigma of more than " + Text(kLargestSigmaM) +
-                      " m is not a control coordinate's; are these millimetres?");
+      throw DataError(At(row) + column + " = " + NumberText(sigma) + ": a sigma of more than " +
+                      NumberText(kLargestSigmaM) + " m is not a control coordinate's; are these millimetres?");
     }
     return sigma;
   }
@@ -276,7 +244,7 @@ class Reader {
     const double sigma_e = Sigma(row, "sigma_e");
     const double cov_en = OptionalNumber(row, "cov_en").value_or(0.0);
     if (std::abs(cov_en) >= sigma_n * sigma_e) {
-      throw DataError(At(row) + "cov_en = " + Text(cov_en) + ": must be smaller than sigma_n times sigma_e (m2)");
+      throw DataError(At(row) + "cov_en = " + NumberText(cov_en) + ": must be smaller than sigma_n times sigma_e (m2)");
     }
     return (Eigen::Matrix2d() << sigma_e * sigma_e, cov_en, cov_en, sigma_n * sigma_n).finished();
   }
@@ -312,7 +280,7 @@ class Reader {
         At(row) + "point " + again.name + " is already in row " + std::to_string(lines_.at(again.name));
     if (first.position_in_site != again.position_in_site) {
       const auto coordinates = [](const ControlPoint& p) {
-        return "northing " + Text(p.position_in_site.y()) + ", easting " + Text(p.position_in_site.x());
+        return "northing " + NumberText(p.position_in_site.y()) + ", easting " + NumberText(p.position_in_site.x());
       };
       throw DataError(where + " with other coordinates: there " + coordinates(first) + ", here " + coordinates(again));
     }
@@ -336,9 +304,10 @@ class Reader {
       const Eigen::Vector2d& p = point.position_in_site;
       if (area.Contains({p.y(), p.x()})) {
         throw DataError(file_.string() + ":" + std::to_string(lines_.at(name)) + ": point " + name +
-                        ": northing and easting look exchanged: as read, northing " + Text(p.y()) + ", easting " +
-                        Text(p.x()) + " lies outside the area of use of " + options_.crs + "; exchanged, northing " +
-                        Text(p.x()) + ", easting " + Text(p.y()) + " lies inside");
+                        ": northing and easting look exchanged: as read, northing " + NumberText(p.y()) + ", easting " +
+                        NumberText(p.x()) + " lies outside the area of use of " + options_.crs +
+                        "; exchanged, northing " + NumberText(p.x()) + ", easting " + NumberText(p.y()) +
+                        " lies inside");
       }
       outside.push_back(name);
     }

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the readers of raw field files have in common.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "survey/geometry/pose2.h"
+#include "survey/sensors/session.h"
+
+namespace formats {
+
+// How to read a raw file.
+struct FieldDataOptions {
+  // Topic of a bag, laser message of a CARMEN log (FLASER, RAWLASER1, ...); empty: the only one, or the front laser.
+  std::string scan_topic;
+  std::string imu_topic;
+  std::string odometry_topic;
+  // Instead of the limits that the file states (m).
+  std::optional<double> range_min_m;
+  std::optional<double> range_max_m;
+};
+
+// The content of one raw file, each kind in order of its stamps.
+struct FieldData {
+  std::vector<survey::ScanGeometry> geometries;
+  std::vector<survey::Scan> scans;
+  std::vector<survey::ImuSample> imu;
+  std::vector<survey::OdometrySample> odometry;
+  std::optional<survey::Pose2> body_from_lidar;  // where the file tells it
+  std::vector<std::string> notes;                // what was left out or assumed as usual
+  std::vector<std::string> warnings;             // what a person should look at
+};
+
+// The index of the geometry in the list; added when it is new.
+inline int IndexOfGeometry(const survey::ScanGeometry& geometry, std::vector<survey::ScanGeometry>* geometries) {
+  const auto found = std::find(geometries->begin(), geometries->end(), geometry);
+  const auto index = static_cast<int>(found - geometries->begin());
+  if (found == geometries->end()) geometries->push_back(geometry);
+  return index;
+}
+
+// Sorts scans or samples by stamp (stable) and drops those whose stamp was there before. Returns how many were dropped.
+template <typename Sample>
+std::size_t SortByStamp(std::vector<Sample>* samples) {
+  const auto earlier = [](const Sample& a, const Sample& b) { return a.stamp_ns < b.stamp_ns; };
+  const auto same = [](const Sample& a, const Sample& b) { return a.stamp_ns == b.stamp_ns; };
+  std::stable_sort(samples->begin(), samples->end(), earlier);
+  const auto end = std::unique(samples->begin(), samples->end(), same);
+  const auto dropped = static_cast<std::size_t>(samples->end() - end);
+  samples->erase(end, samples->end());
+  return dropped;
+}
+
+}  // namespace formats

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A small picture of a map for documents: light, thin walls kept.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+
+namespace formats {
+
+struct MapThumbnail {
+  std::string png;                                       // bytes; rows from the north
+  Eigen::Vector2d south_west = Eigen::Vector2d::Zero();  // corner in the site frame, m
+  Eigen::Vector2d extent_m = Eigen::Vector2d::Zero();    // east, north
+};
+
+// From a delivered map (site.tif: occupancy in percent, 255 unknown), longer side at most `max_pixels`. DataError names
+// the file when it is no such map.
+MapThumbnail ReadMapThumbnail(const std::filesystem::path& file, int max_pixels);
+
+}  // namespace formats

@@ -76,8 +76,9 @@ std::string Sha256OfTextWithoutComments(const std::filesystem::path& file) {
   return stream.Hex();
 }
 
-std::uint32_t Crc32(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+std::uint32_t Crc32(std::span<const std::byte> bytes, std::uint32_t previous) {
+  if (bytes.empty()) return previous;
+  return static_cast<std::uint32_t>(crc32_z(previous, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 }  // namespace formats

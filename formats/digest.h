@@ -18,7 +18,7 @@ std::string Sha256OfFile(const std::filesystem::path& file);  // streamed; DataE
 // that a comment does not count as a change.
 std::string Sha256OfTextWithoutComments(const std::filesystem::path& file);
 
-// CRC-32 (ISO 3309, as zlib's crc32) of a blob.
-std::uint32_t Crc32(std::span<const std::byte> bytes);
+// CRC-32 (ISO 3309, as zlib's crc32) of a blob that follows bytes with the CRC-32 `previous`.
+std::uint32_t Crc32(std::span<const std::byte> bytes, std::uint32_t previous = 0);
 
 }  // namespace formats

@@ -43,6 +43,10 @@ struct Provenance {
 nlohmann::json ToJson(const Provenance& provenance);
 Provenance ProvenanceFromJson(const nlohmann::json& json);  // DataError when malformed
 
+// What a file is by its first bytes. DataError when it cannot be read.
+enum class FileKind { kSqlite, kGeoTiff, kJson, kOther };
+FileKind KindOfFile(const std::filesystem::path& file);
+
 // The provenance stored in an artefact of any kind (SQLite, GeoTIFF, JSON). DataError names the file when it has none.
 Provenance ReadProvenance(const std::filesystem::path& file);
 

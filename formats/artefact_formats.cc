@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/artefact_formats.h"
+
+#include <array>
+#include <stdexcept>
+
+namespace formats {
+namespace {
+
+constexpr std::string_view kSessionSchema = R"(
+CREATE TABLE setup (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  lidar_x REAL NOT NULL,      -- body_from_lidar: m
+  lidar_y REAL NOT NULL,      -- m
+  lidar_theta REAL NOT NULL,  -- rad, counter-clockwise
+  mark_x REAL NOT NULL,       -- the marked place in the lidar frame (lever arm): m
+  mark_y REAL NOT NULL,       -- m
+  range_sigma REAL NOT NULL CHECK (range_sigma >= 0),  -- m, 1 sigma
+  mark_sigma REAL NOT NULL CHECK (mark_sigma >= 0)     -- m, 1 sigma per axis
+) STRICT;
+CREATE TABLE geometries (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  angle_min REAL NOT NULL,        -- rad, lidar frame
+  angle_increment REAL NOT NULL,  -- rad
+  time_increment REAL NOT NULL,   -- s
+  range_min REAL NOT NULL,        -- m
+  range_max REAL NOT NULL,        -- m
+  num_beams INTEGER NOT NULL CHECK (num_beams > 0)
+) STRICT;
+CREATE TABLE scans (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  stamp_ns INTEGER NOT NULL,  -- of the first beam
+  geometry INTEGER NOT NULL REFERENCES geometries (id),
+  ranges BLOB NOT NULL,       -- float32 little-endian, m; +inf: no return; NaN: invalid
+  ranges_crc32 INTEGER NOT NULL
+) STRICT;
+CREATE TABLE imu (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  stamp_ns INTEGER NOT NULL,
+  gyro_x REAL NOT NULL,   -- angular rate in the body frame, rad/s
+  gyro_y REAL NOT NULL,
+  gyro_z REAL NOT NULL,
+  accel_x REAL NOT NULL,  -- specific force in the body frame, m/s2
+  accel_y REAL NOT NULL,
+  accel_z REAL NOT NULL
+) STRICT;
+CREATE TABLE odometry (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  stamp_ns INTEGER NOT NULL,
+  x REAL NOT NULL,     -- odom_from_body: m
+  y REAL NOT NULL,     -- m
+  theta REAL NOT NULL  -- rad
+) STRICT;
+CREATE TABLE marks (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  point TEXT NOT NULL CHECK (point <> ''),
+  start_ns INTEGER NOT NULL,
+  end_ns INTEGER NOT NULL CHECK (end_ns >= start_ns)
+) STRICT;
+)";
+
+constexpr std::string_view kTrackSchema = R"(
+CREATE TABLE scans (
+  scan INTEGER PRIMARY KEY CHECK (scan >= 0),  -- index in the session
+  stamp_ns INTEGER NOT NULL,
+  x REAL NOT NULL,      -- local_from_scan: m
+  y REAL NOT NULL,      -- m
+  theta REAL NOT NULL,  -- rad
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- of the match in the submap: m2, m rad, rad2
+  cov_xy REAL NOT NULL,
+  cov_xt REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
+  cov_yt REAL NOT NULL,
+  cov_tt REAL NOT NULL CHECK (cov_tt >= 0),
+  prediction TEXT NOT NULL CHECK (prediction IN ('start', 'odometry', 'inertial', 'constant velocity')),
+  matched INTEGER NOT NULL CHECK (matched IN (0, 1)),
+  is_node INTEGER NOT NULL CHECK (is_node IN (0, 1)),
+  score REAL NOT NULL   -- mean occupancy probability at the end points
+) STRICT;
+CREATE TABLE submaps (
+  submap INTEGER PRIMARY KEY CHECK (submap >= 0),
+  x REAL NOT NULL,     -- local_from_submap: m
+  y REAL NOT NULL,     -- m
+  theta REAL NOT NULL  -- rad
+) STRICT;
+CREATE TABLE submap_nodes (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  submap INTEGER NOT NULL REFERENCES submaps (submap),
+  scan INTEGER NOT NULL REFERENCES scans (scan)
+) STRICT;
+CREATE TABLE constraints (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  submap INTEGER NOT NULL REFERENCES submaps (submap),
+  scan INTEGER NOT NULL REFERENCES scans (scan),
+  x REAL NOT NULL,      -- submap_from_scan: m
+  y REAL NOT NULL,      -- m
+  theta REAL NOT NULL,  -- rad
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- in the submap frame: m2, m rad, rad2
+  cov_xy REAL NOT NULL,
+  cov_xt REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
+  cov_yt REAL NOT NULL,
+  cov_tt REAL NOT NULL CHECK (cov_tt >= 0)
+) STRICT;
+CREATE TABLE marks (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  point TEXT NOT NULL CHECK (point <> ''),
+  start_ns INTEGER NOT NULL,
+  end_ns INTEGER NOT NULL CHECK (end_ns >= start_ns),
+  scan INTEGER NOT NULL REFERENCES scans (scan),  -- the node that carries the mark
+  mark_x REAL NOT NULL,  -- the marked place in the frame of that scan: m
+  mark_y REAL NOT NULL,  -- m
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- m2
+  cov_xy REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0)
+) STRICT;
+CREATE TABLE requests (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  scan INTEGER NOT NULL REFERENCES scans (scan),
+  cause TEXT NOT NULL,
+  doubt REAL NOT NULL,  -- larger is worse
+  message TEXT NOT NULL
+) STRICT;
+)";
+
+constexpr std::string_view kLoopsSchema = R"(
+CREATE TABLE search (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  candidates_searched INTEGER NOT NULL CHECK (candidates_searched >= 0)
+) STRICT;
+CREATE TABLE loops (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  submap INTEGER NOT NULL CHECK (submap >= 0),  -- as in the track
+  scan INTEGER NOT NULL CHECK (scan >= 0),
+  x REAL NOT NULL,      -- submap_from_scan: m
+  y REAL NOT NULL,      -- m
+  theta REAL NOT NULL,  -- rad
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- in the submap frame: m2, m rad, rad2
+  cov_xy REAL NOT NULL,
+  cov_xt REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
+  cov_yt REAL NOT NULL,
+  cov_tt REAL NOT NULL CHECK (cov_tt >= 0),
+  score REAL NOT NULL,
+  accepted INTEGER NOT NULL CHECK (accepted IN (0, 1)),
+  reason TEXT NOT NULL  -- why not accepted
+) STRICT;
+)";
+
+constexpr std::string_view kControlSchema = R"(
+CREATE TABLE frame (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  crs TEXT NOT NULL,  -- 'EPSG:25832'; empty: the control's own plane
+  wkt2 TEXT NOT NULL
+) STRICT;
+CREATE TABLE points (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  name TEXT NOT NULL UNIQUE CHECK (name <> ''),
+  role TEXT NOT NULL CHECK (role IN ('control', 'check', 'tie', 'excluded')),
+  easting REAL NOT NULL,   -- site frame, m
+  northing REAL NOT NULL,  -- m
+  cov_ee REAL NOT NULL CHECK (cov_ee >= 0),  -- m2
+  cov_en REAL NOT NULL,
+  cov_nn REAL NOT NULL CHECK (cov_nn >= 0),
+  elevation REAL,          -- m; NULL: not given
+  description TEXT NOT NULL,
+  reason TEXT NOT NULL     -- why excluded
+) STRICT;
+)";
+
+constexpr std::string_view kSolutionSchema = R"(
+CREATE TABLE block (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  tied INTEGER NOT NULL CHECK (tied IN (0, 1)),  -- 0: not tied to control, the site frame is the local frame
+  crs TEXT NOT NULL,
+  wkt2 TEXT NOT NULL,
+  x REAL NOT NULL,           -- site_from_local by a rigid fit on the marks: m
+  y REAL NOT NULL,           -- m
+  theta REAL NOT NULL,       -- rad
+  rigid_scale REAL NOT NULL  -- of a four-parameter fit; never applied
+) STRICT;
+CREATE TABLE scans (
+  scan INTEGER PRIMARY KEY CHECK (scan >= 0),  -- index in the session
+  stamp_ns INTEGER NOT NULL,
+  x REAL NOT NULL,      -- site_from_scan: easting, m
+  y REAL NOT NULL,      -- northing, m
+  theta REAL NOT NULL,  -- rad, from east towards north
+  is_node INTEGER NOT NULL CHECK (is_node IN (0, 1))
+) STRICT;
+CREATE TABLE node_covariances (
+  scan INTEGER PRIMARY KEY REFERENCES scans (scan),
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- in the site frame: m2, m rad, rad2
+  cov_xy REAL NOT NULL,
+  cov_xt REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
+  cov_yt REAL NOT NULL,
+  cov_tt REAL NOT NULL CHECK (cov_tt >= 0)
+) STRICT;
+CREATE TABLE submaps (
+  submap INTEGER PRIMARY KEY CHECK (submap >= 0),
+  x REAL NOT NULL,     -- site_from_submap: m
+  y REAL NOT NULL,     -- m
+  theta REAL NOT NULL  -- rad
+) STRICT;
+CREATE TABLE marks (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  point TEXT NOT NULL CHECK (point <> ''),
+  start_ns INTEGER NOT NULL,
+  end_ns INTEGER NOT NULL CHECK (end_ns >= start_ns),
+  scan INTEGER NOT NULL REFERENCES scans (scan),      -- the node that carries the mark
+  used INTEGER NOT NULL CHECK (used IN (0, 1)),       -- took part as control
+  x REAL NOT NULL,                                    -- adjusted place of the mark, site frame: m
+  y REAL NOT NULL,                                    -- m
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),           -- m2
+  cov_xy REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
+  residual_x REAL NOT NULL,                           -- adjusted minus given, m; 0 where not used
+  residual_y REAL NOT NULL,
+  rigid_residual_x REAL NOT NULL,                     -- the same after the rigid fit alone, m
+  rigid_residual_y REAL NOT NULL
+) STRICT;
+CREATE TABLE statistics (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  num_nodes INTEGER NOT NULL,
+  num_submaps INTEGER NOT NULL,
+  num_track_constraints INTEGER NOT NULL,
+  num_loops INTEGER NOT NULL,
+  num_control_marks INTEGER NOT NULL,
+  degrees_of_freedom INTEGER NOT NULL,
+  iterations INTEGER NOT NULL,
+  initial_cost REAL NOT NULL,  -- half the sum of the squared, whitened residuals
+  final_cost REAL NOT NULL,
+  sigma_zero REAL              -- NULL: no degrees of freedom
+) STRICT;
+)";
+
+constexpr std::array kFormats = {
+    ArtefactFormat{ArtefactKind::kSession, 1, "session", kSessionSchema},
+    ArtefactFormat{ArtefactKind::kTrack, 1, "track", kTrackSchema},
+    ArtefactFormat{ArtefactKind::kLoops, 1, "loops", kLoopsSchema},
+    ArtefactFormat{ArtefactKind::kControl, 1, "control", kControlSchema},
+    ArtefactFormat{ArtefactKind::kSolution, 1, "solution", kSolutionSchema},
+};
+
+}  // namespace
+
+const std::string_view kCommonSchema = R"(
+CREATE TABLE provenance (
+  position INTEGER PRIMARY KEY CHECK (position >= 0),  -- 0: this file; then its ancestors in order of id
+  id TEXT NOT NULL UNIQUE,  -- SHA-256 of record
+  stage TEXT NOT NULL,
+  record TEXT NOT NULL      -- canonical JSON
+) STRICT;
+CREATE TABLE end_marker (
+  name TEXT PRIMARY KEY,    -- of a table
+  num_rows INTEGER NOT NULL,
+  crc32 INTEGER NOT NULL    -- of its values in order
+) STRICT;
+)";
+
+const ArtefactFormat& FormatOf(ArtefactKind kind) {
+  for (const ArtefactFormat& format : kFormats) {
+    if (format.kind == kind) return format;
+  }
+  throw std::logic_error("artefact kind without a format");
+}
+
+std::optional<ArtefactKind> KindOfUserVersion(int user_version) {
+  for (const ArtefactFormat& format : kFormats) {
+    if (static_cast<int>(format.kind) == user_version / 100) return format.kind;
+  }
+  return std::nullopt;
+}
+
+}  // namespace formats

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cpl_error.h>
+#include <gdal_priv.h>
+
+#include <fstream>
+#include <memory>
+
+#include "formats/artefact_file.h"
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+#include "formats/provenance.h"
+
+namespace formats {
+namespace {
+
+using namespace std::string_view_literals;
+
+std::string FirstBytes(const std::filesystem::path& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) throw DataError(file.string() + ": is a folder");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw DataError(file.string() + ": cannot be read");
+  std::string bytes(16, '\0');
+  in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  bytes.resize(static_cast<std::size_t>(in.gcount()));
+  return bytes;
+}
+
+Provenance FromText(const std::filesystem::path& file, const std::string& text) {
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  if (json.is_discarded()) throw DataError(file.string() + ": damaged: the provenance is not JSON");
+  return ProvenanceFromJson(json);
+}
+
+Provenance OfGeoTiff(const std::filesystem::path& file) {
+  GDALRegister_GTiff();
+  const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
+  const std::unique_ptr<GDALDataset> dataset(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  if (!dataset) throw DataError(file.string() + ": not a readable GeoTIFF: " + CPLGetLastErrorMsg());
+  const char* text = dataset->GetMetadataItem("PLUMBLINE_PROVENANCE");
+  if (!text) throw DataError(file.string() + ": a GeoTIFF without provenance: not one of Plumbline's");
+  return FromText(file, text);
+}
+
+Provenance OfJson(const std::filesystem::path& file) {
+  const nlohmann::json json = nlohmann::json::parse(ReadWholeFile(file), nullptr, false);
+  if (json.is_discarded()) throw DataError(file.string() + ": not valid JSON (truncated?)");
+  if (!json.contains("provenance"))
+    throw DataError(file.string() + ": JSON without provenance: not one of Plumbline's");
+  return ProvenanceFromJson(json.at("provenance"));
+}
+
+}  // namespace
+
+FileKind KindOfFile(const std::filesystem::path& file) {
+  const std::string bytes = FirstBytes(file);
+  if (bytes.starts_with("SQLite format 3")) return FileKind::kSqlite;
+  const std::string_view magic = std::string_view(bytes).substr(0, 4);
+  for (const std::string_view tiff : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv}) {
+    if (magic == tiff) return FileKind::kGeoTiff;
+  }
+  const std::size_t start = bytes.find_first_not_of(" \t\r\n");
+  if (start != std::string::npos && bytes[start] == '{') return FileKind::kJson;
+  return FileKind::kOther;
+}
+
+Provenance ReadProvenance(const std::filesystem::path& file) {
+  try {
+    switch (KindOfFile(file)) {
+      case FileKind::kSqlite:
+        return ArtefactReader(file, KindOfArtefact(file)).ReadProvenance();
+      case FileKind::kGeoTiff:
+        return OfGeoTiff(file);
+      case FileKind::kJson:
+        return OfJson(file);
+      case FileKind::kOther:
+        break;
+    }
+  } catch (const DataError& error) {
+    const std::string message = error.what();
+    throw DataError(message.starts_with(file.string()) ? message : file.string() + ": " + message);
+  }
+  throw DataError(file.string() + ": not an artefact (neither SQLite, GeoTIFF nor JSON; truncated?)");
+}
+
+}  // namespace formats

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Table `scans` of tracks and solutions: one row per scan of the session, its index and its stamp first.
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+#include "formats/artefact_file.h"
+
+namespace formats {
+
+// row_function(table, stamp_ns, scan) lists the columns; `scan` has the member `scan`, its ScanId.
+template <typename Scan, typename RowFunction>
+void WriteScans(ArtefactWriter& writer, const std::vector<Scan>& scans, const std::vector<survey::StampNs>& stamps_ns,
+                RowFunction row_function) {
+  if (scans.size() != stamps_ns.size()) throw std::logic_error("as many stamps as scans are needed");
+  writer.Table("scans", [&](TableWriter& row) {
+    for (std::size_t i = 0; i < scans.size(); ++i) {
+      if (scans[i].scan.value != static_cast<int>(i)) throw std::logic_error("scans must stand in their order");
+      row_function(row, stamps_ns[i], scans[i]);
+    }
+  });
+}
+
+template <typename Scan, typename RowFunction>
+std::vector<Scan> ReadScans(ArtefactReader& reader, RowFunction row_function) {
+  std::vector<Scan> scans;
+  reader.Table("scans", [&](TableReader& row) {
+    survey::StampNs stamp_ns = 0;
+    row_function(row, stamp_ns, scans.emplace_back());
+    row.Require(scans.back().scan.value == row.row(), "scans must count from 0");
+  });
+  return scans;
+}
+
+}  // namespace formats

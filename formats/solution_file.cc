@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/artefact_file.h"
+#include "formats/artefacts.h"
+#include "formats/errors.h"
+#include "formats/scans_table.h"
+
+namespace formats {
+namespace {
+
+constexpr auto kBlockRow = [](auto& row, auto& id, auto& solution) {
+  row(id, solution.tied, solution.frame.crs, solution.frame.wkt2, solution.site_from_local, solution.rigid_scale);
+};
+constexpr auto kScanRow = [](auto& row, auto& stamp_ns, auto& scan) {
+  row(scan.scan, stamp_ns, scan.site_from_scan, scan.is_node);
+};
+constexpr auto kMarkRow = [](auto& row, auto& id, auto& mark) {
+  row(id, mark.point, mark.start_ns, mark.end_ns, mark.scan, mark.used, mark.position_in_site, mark.covariance,
+      mark.residual, mark.rigid_residual);
+};
+constexpr auto kStatisticsRow = [](auto& row, auto& id, auto& statistics) {
+  row(id, statistics.num_nodes, statistics.num_submaps, statistics.num_track_constraints, statistics.num_loops,
+      statistics.num_control_marks, statistics.degrees_of_freedom, statistics.iterations, statistics.initial_cost,
+      statistics.final_cost, statistics.sigma_zero);
+};
+
+}  // namespace
+
+void WriteSolution(const std::filesystem::path& file, const survey::Solution& solution,
+                   const std::vector<survey::StampNs>& scan_stamps, const Provenance& provenance) {
+  ArtefactWriter writer(file, ArtefactKind::kSolution, provenance);
+  WriteOneRow(writer, "block", solution, kBlockRow);
+  WriteScans(writer, solution.scans, scan_stamps, kScanRow);
+  writer.Table("node_covariances", [&](TableWriter& row) {
+    for (const survey::NodeCovariance& node : solution.covariances) row(node.scan, node.covariance);
+  });
+  writer.Table("submaps", [&](TableWriter& row) {
+    for (const survey::SolvedSubmap& submap : solution.submaps) row(submap.id, submap.site_from_submap);
+  });
+  WriteRows(writer, "marks", solution.marks, kMarkRow);
+  WriteOneRow(writer, "statistics", solution.statistics, kStatisticsRow);
+  writer.Commit();
+}
+
+survey::Solution ReadSolution(const std::filesystem::path& file) {
+  ArtefactReader reader(file, ArtefactKind::kSolution);
+  auto solution = ReadOneRow<survey::Solution>(reader, "block", kBlockRow);
+  solution.scans = ReadScans<survey::SolvedScan>(reader, kScanRow);
+  reader.Table("node_covariances", [&](TableReader& row) {
+    survey::NodeCovariance& node = solution.covariances.emplace_back();
+    row(node.scan, node.covariance);
+  });
+  reader.Table("submaps", [&](TableReader& row) {
+    survey::SolvedSubmap& submap = solution.submaps.emplace_back();
+    row(submap.id, submap.site_from_submap);
+  });
+  solution.marks = ReadRows<survey::SolvedMark>(reader, "marks", kMarkRow);
+  solution.statistics = ReadOneRow<survey::AdjustmentStatistics>(reader, "statistics", kStatisticsRow);
+  return solution;
+}
+
+std::vector<survey::StampNs> ReadScanStamps(const std::filesystem::path& file) {
+  const ArtefactKind kind = KindOfArtefact(file);
+  if (kind != ArtefactKind::kTrack && kind != ArtefactKind::kSolution)
+    throw DataError(file.string() + ": a " + std::string(FormatOf(kind).name) + " file, expected a track or solution");
+  ArtefactReader reader(file, kind);
+  std::vector<survey::StampNs> stamps;
+  reader.Table("scans", [&](TableReader& row) {
+    survey::ScanId scan;
+    row(scan, stamps.emplace_back());
+  });
+  return stamps;
+}
+
+}  // namespace formats

@@ -59,6 +59,13 @@ inline Pose2 Between(const Pose2& frame_from_a, const Pose2& frame_from_b) {
   return Inverse(frame_from_a) * frame_from_b;
 }
 
+// Covariance of x, y, theta seen in axes turned by -angle: the errors turned by +angle.
+inline Eigen::Matrix3d RotatedCovariance(const Eigen::Matrix3d& covariance, double angle_rad) {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  rotation.topLeftCorner<2, 2>() = Rotation2(angle_rad);
+  return rotation * covariance * rotation.transpose();
+}
+
 // Pose on the way from a (fraction 0) to b (fraction 1): translation linear, rotation along the shorter arc.
 // Fractions outside [0, 1] extrapolate.
 inline Pose2 Interpolate(const Pose2& a, const Pose2& b, double fraction) {

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/graph/block_graph.h"
+
+#include <algorithm>
+
+namespace survey {
+
+int BlockGraph::PoseOf(ScanId node) const {
+  const auto found = std::lower_bound(nodes.begin(), nodes.end(), node);
+  return static_cast<int>(num_submaps) + static_cast<int>(found - nodes.begin());
+}
+
+namespace {
+
+// [CN] eq. (10) for the nodes in the submaps that they helped to draw. The errors of all nodes of a submap stem from
+// the same drawing and are far from independent: together they weigh as much as a few independent ones.
+void AddMemberships(const Track& track, BlockGraph* block) {
+  constexpr double kIndependentNodes = 2.0;
+  for (const SubmapConstraint& constraint : track.constraints) {
+    const double nodes =
+        static_cast<double>(track.submaps[static_cast<std::size_t>(constraint.submap.value)].nodes.size());
+    block->graph.edges.push_back({block->PoseOf(constraint.submap), block->PoseOf(constraint.scan),
+                                  constraint.submap_from_scan,
+                                  constraint.covariance * std::max(1.0, nodes / kIndependentNodes), false});
+  }
+}
+
+// The motion from node to node as the track has it: keeps the shape of the trajectory when something pulls at one node.
+void AddMotions(const Track& track, BlockGraph* block) {
+  for (std::size_t n = 1; n < block->nodes.size(); ++n) {
+    const TrackedScan& from = track.scans[static_cast<std::size_t>(block->nodes[n - 1].value)];
+    const TrackedScan& to = track.scans[static_cast<std::size_t>(block->nodes[n].value)];
+    const Pose2 motion = Between(from.local_from_scan, to.local_from_scan);
+    const double way = motion.Translation().norm();
+    Eigen::Matrix3d covariance = from.covariance + to.covariance;
+    covariance.diagonal() += Eigen::Vector3d(1e-5 + 1e-4 * way, 1e-5 + 1e-4 * way, 1e-6 + 1e-5 * way);
+    const int base = static_cast<int>(block->num_submaps + n);
+    block->graph.edges.push_back(
+        {base - 1, base, motion, RotatedCovariance(covariance, -from.local_from_scan.theta), false});
+  }
+}
+
+}  // namespace
+
+BlockGraph MakeBlockGraph(const Track& track) {
+  BlockGraph block;
+  block.num_submaps = track.submaps.size();
+  for (const Submap& submap : track.submaps) block.graph.poses.push_back(submap.local_from_submap);
+  for (const TrackedScan& scan : track.scans) {
+    if (!scan.is_node) continue;
+    block.nodes.push_back(scan.scan);
+    block.graph.poses.push_back(scan.local_from_scan);
+  }
+  AddMemberships(track, &block);
+  AddMotions(track, &block);
+  for (const TrackedMark& mark : track.marks) block.point_names.push_back(mark.point);
+  std::sort(block.point_names.begin(), block.point_names.end());
+  block.point_names.erase(std::unique(block.point_names.begin(), block.point_names.end()), block.point_names.end());
+  block.graph.points.resize(block.point_names.size());
+  for (const TrackedMark& mark : track.marks) {
+    const auto name = std::lower_bound(block.point_names.begin(), block.point_names.end(), mark.point);
+    const int point = static_cast<int>(name - block.point_names.begin());
+    const int pose = block.PoseOf(mark.scan);
+    block.graph.marks.push_back({pose, point, mark.mark_in_scan, mark.covariance});
+    block.graph.points[static_cast<std::size_t>(point)].position =
+        block.graph.poses[static_cast<std::size_t>(pose)] * mark.mark_in_scan;
+  }
+  block.graph.fixed_pose = 0;
+  return block;
+}
+
+void AddLoop(const SubmapConstraint& loop, BlockGraph* block) {
+  block->graph.edges.push_back(
+      {block->PoseOf(loop.submap), block->PoseOf(loop.scan), loop.submap_from_scan, loop.covariance, true});
+}
+
+std::vector<Pose2> PosesOfAllScans(const Track& track, const BlockGraph& block, const std::vector<StampNs>& stamps) {
+  std::vector<Pose2> poses;
+  poses.reserve(track.scans.size());
+  const auto moved = [&](std::size_t node, std::size_t scan) {
+    const std::size_t node_scan = static_cast<std::size_t>(block.nodes[node].value);
+    return block.graph.poses[block.num_submaps + node] *
+           Between(track.scans[node_scan].local_from_scan, track.scans[scan].local_from_scan);
+  };
+  std::size_t next = 0;  // first node at or after the scan
+  for (std::size_t i = 0; i < track.scans.size(); ++i) {
+    while (next < block.nodes.size() && static_cast<std::size_t>(block.nodes[next].value) < i) ++next;
+    if (next == 0 || (next < block.nodes.size() && static_cast<std::size_t>(block.nodes[next].value) == i)) {
+      poses.push_back(moved(next, i));
+    } else if (next == block.nodes.size()) {
+      poses.push_back(moved(next - 1, i));
+    } else {
+      const StampNs before = stamps[static_cast<std::size_t>(block.nodes[next - 1].value)];
+      const StampNs after = stamps[static_cast<std::size_t>(block.nodes[next].value)];
+      const double fraction =
+          after > before ? static_cast<double>(stamps[i] - before) / static_cast<double>(after - before) : 0.5;
+      poses.push_back(Interpolate(moved(next - 1, i), moved(next, i), fraction));
+    }
+  }
+  return poses;
+}
+
+}  // namespace survey

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/graph/pose_graph.h"
+
+#include <ceres/ceres.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <array>
+
+#include "survey/graph/graph_residuals.h"
+
+namespace survey {
+namespace {
+
+template <int Rows, int Columns>
+using RowMajor = Eigen::Matrix<double, Rows, Columns, Eigen::RowMajor>;
+
+class RelativePoseCost : public ceres::SizedCostFunction<3, 3, 3> {
+ public:
+  explicit RelativePoseCost(const PoseEdge& edge)
+      : base_from_target_(edge.base_from_target), whitening_(Whitening<3>(edge.covariance)) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const auto pose = [](const double* p) { return Pose2{p[0], p[1], p[2]}; };
+    const RelativePoseResidual r = EvaluateRelativePose(pose(parameters[0]), pose(parameters[1]), base_from_target_);
+    Eigen::Map<Eigen::Vector3d>(residuals, 3) = whitening_ * r.error;
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) Eigen::Map<RowMajor<3, 3>>(jacobians[0], 3, 3) = whitening_ * r.d_base;
+    if (jacobians[1] != nullptr) Eigen::Map<RowMajor<3, 3>>(jacobians[1], 3, 3) = whitening_ * r.d_target;
+    return true;
+  }
+
+ private:
+  Pose2 base_from_target_;
+  Eigen::Matrix3d whitening_;
+};
+
+class MarkCost : public ceres::SizedCostFunction<2, 3, 2> {
+ public:
+  explicit MarkCost(const MarkEdge& edge) : p_in_pose_(edge.p_in_pose), whitening_(Whitening<2>(edge.covariance)) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const MarkResidual r = EvaluateMark({parameters[0][0], parameters[0][1], parameters[0][2]},
+                                        {parameters[1][0], parameters[1][1]}, p_in_pose_);
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = whitening_ * r.error;
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) Eigen::Map<RowMajor<2, 3>>(jacobians[0], 2, 3) = whitening_ * r.d_pose;
+    if (jacobians[1] != nullptr) Eigen::Map<RowMajor<2, 2>>(jacobians[1], 2, 2) = whitening_ * r.d_point;
+    return true;
+  }
+
+ private:
+  Eigen::Vector2d p_in_pose_;
+  Eigen::Matrix2d whitening_;
+};
+
+class GivenPointCost : public ceres::SizedCostFunction<2, 2> {
+ public:
+  GivenPointCost(const Eigen::Vector2d& given, const Eigen::Matrix2d& covariance)
+      : given_(given), whitening_(Whitening<2>(covariance)) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) =
+        whitening_ * (Eigen::Vector2d(parameters[0][0], parameters[0][1]) - given_);
+    if (jacobians != nullptr && jacobians[0] != nullptr) Eigen::Map<RowMajor<2, 2>>(jacobians[0], 2, 2) = whitening_;
+    return true;
+  }
+
+ private:
+  Eigen::Vector2d given_;
+  Eigen::Matrix2d whitening_;
+};
+
+// The graph's unknowns as Ceres wants them, and back.
+struct Unknowns {
+  explicit Unknowns(const PoseGraph& graph) {
+    for (const Pose2& pose : graph.poses) poses.push_back({pose.x, pose.y, pose.theta});
+    for (const GraphPoint& point : graph.points) points.push_back({point.position.x(), point.position.y()});
+  }
+  std::vector<std::array<double, 3>> poses;
+  std::vector<std::array<double, 2>> points;
+};
+
+void BuildProblem(const PoseGraph& graph, double robust_scale, Unknowns* unknowns, ceres::Problem* problem) {
+  const auto pose = [&](int index) { return unknowns->poses[static_cast<std::size_t>(index)].data(); };
+  const auto point = [&](int index) { return unknowns->points[static_cast<std::size_t>(index)].data(); };
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) problem->AddParameterBlock(unknowns->poses[i].data(), 3);
+  for (const PoseEdge& edge : graph.edges) {
+    ceres::LossFunction* loss = edge.robust && robust_scale > 0.0 ? new ceres::CauchyLoss(robust_scale) : nullptr;
+    problem->AddResidualBlock(new RelativePoseCost(edge), loss, pose(edge.base), pose(edge.target));
+  }
+  for (const MarkEdge& mark : graph.marks) {
+    problem->AddResidualBlock(new MarkCost(mark), nullptr, pose(mark.pose), point(mark.point));
+  }
+  for (std::size_t i = 0; i < graph.points.size(); ++i) {
+    if (!graph.points[i].prior_covariance) continue;
+    problem->AddResidualBlock(new GivenPointCost(graph.points[i].position, *graph.points[i].prior_covariance), nullptr,
+                              unknowns->points[i].data());
+  }
+  if (graph.fixed_pose) problem->SetParameterBlockConstant(pose(*graph.fixed_pose));
+}
+
+}  // namespace
+
+PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options) {
+  PoseGraphSummary result;
+  if (graph->poses.empty() || (graph->edges.empty() && graph->marks.empty())) {
+    result.usable = true;
+    result.message = "nothing to adjust";
+    return result;
+  }
+  Unknowns unknowns(*graph);
+  ceres::Problem problem;
+  BuildProblem(*graph, options.robust_scale, &unknowns, &problem);
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  solver.max_num_iterations = options.max_iterations;
+  solver.function_tolerance = 1e-9;
+  solver.num_threads = 1;  // one order of summation: the same bytes on every machine
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  result.usable = summary.IsSolutionUsable();
+  result.message = summary.message;
+  result.iterations = static_cast<int>(summary.iterations.size()) - 1;
+  result.initial_cost = summary.initial_cost;
+  result.final_cost = summary.final_cost;
+  for (std::size_t i = 0; i < graph->poses.size(); ++i) {
+    graph->poses[i] = {unknowns.poses[i][0], unknowns.poses[i][1], NormalizeAngle(unknowns.poses[i][2])};
+  }
+  for (std::size_t i = 0; i < graph->points.size(); ++i) {
+    graph->points[i].position = {unknowns.points[i][0], unknowns.points[i][1]};
+  }
+  return result;
+}
+
+double SquaredNormalisedResidual(const PoseEdge& edge, const std::vector<Pose2>& poses) {
+  const RelativePoseResidual r = EvaluateRelativePose(
+      poses[static_cast<std::size_t>(edge.base)], poses[static_cast<std::size_t>(edge.target)], edge.base_from_target);
+  return r.error.dot(edge.covariance.llt().solve(r.error));
+}
+
+std::vector<Eigen::Matrix3d> PoseCovariances(const PoseGraph& graph, const std::vector<int>& poses) {
+  Unknowns unknowns(graph);
+  ceres::Problem problem;
+  BuildProblem(graph, 0.0, &unknowns, &problem);
+  std::vector<double*> blocks;
+  std::vector<int> column_of(graph.poses.size(), -1);
+  int columns = 0;
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    if (graph.fixed_pose && *graph.fixed_pose == static_cast<int>(i)) continue;
+    blocks.push_back(unknowns.poses[i].data());
+    column_of[i] = columns;
+    columns += 3;
+  }
+  for (std::size_t i = 0; i < graph.points.size(); ++i) {
+    if (!problem.HasParameterBlock(unknowns.points[i].data())) continue;
+    blocks.push_back(unknowns.points[i].data());
+    columns += 2;
+  }
+  ceres::Problem::EvaluateOptions evaluate;
+  evaluate.parameter_blocks = blocks;
+  evaluate.apply_loss_function = false;
+  ceres::CRSMatrix crs;
+  problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
+  const Eigen::Map<Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
+      crs.num_rows, crs.num_cols, static_cast<int>(crs.values.size()), crs.rows.data(), crs.cols.data(),
+      crs.values.data());
+  const Eigen::SparseMatrix<double> columns_first(jacobian);
+  const Eigen::SparseMatrix<double> normal = columns_first.transpose() * columns_first;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(normal);
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) return {};
+  std::vector<Eigen::Matrix3d> covariances;
+  for (const int pose : poses) {
+    const int column = column_of[static_cast<std::size_t>(pose)];
+    if (column < 0) {
+      covariances.push_back(Eigen::Matrix3d::Zero());
+      continue;
+    }
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(columns, 3);
+    unit.block<3, 3>(column, 0).setIdentity();
+    const Eigen::MatrixXd inverse_columns = factor.solve(unit);
+    covariances.push_back(inverse_columns.block<3, 3>(column, 0));
+  }
+  return covariances;
+}
+
+}  // namespace survey

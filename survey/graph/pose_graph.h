@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The back end: least squares over poses of the plane and marked points, [CN] eq. (8)-(11), solved by Ceres.
+// One frame for all poses and points, metres; large offsets (UTM) are the caller's to remove.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "survey/geometry/pose2.h"
+
+namespace survey {
+
+// [CN] eq. (10): measured pose of `target` in the frame of `base`.
+struct PoseEdge {
+  int base = 0;
+  int target = 0;
+  Pose2 base_from_target;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  // x, y (m), theta (rad)
+  bool robust = false;  // under the robust loss: measurements that may be wrong altogether (loop closures)
+};
+
+// [CN] eq. (11): the point stood at p_in_pose of a pose.
+struct MarkEdge {
+  int pose = 0;
+  int point = 0;
+  Eigen::Vector2d p_in_pose = Eigen::Vector2d::Zero();
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  // in the frame of the pose
+};
+
+// A point with given coordinates is an observation with its covariance; without, it only ties its marks together.
+struct GraphPoint {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  std::optional<Eigen::Matrix2d> prior_covariance;  // of the given coordinates, which are `position` at the start
+};
+
+struct PoseGraph {
+  std::vector<Pose2> poses;
+  std::vector<GraphPoint> points;
+  std::vector<PoseEdge> edges;
+  std::vector<MarkEdge> marks;
+  // The datum: without control the gauge is free in three parameters and this pose is held. With two control points or
+  // more none is held.
+  std::optional<int> fixed_pose;
+};
+
+struct PoseGraphOptions {
+  double robust_scale = 2.0;  // in sigmas: beyond, a robust edge loses weight (Cauchy)
+  int max_iterations = 100;
+};
+
+struct PoseGraphSummary {
+  bool usable = false;
+  std::string message;
+  int iterations = 0;
+  double initial_cost = 0.0;  // half the sum of squared whitened residuals, robust loss applied
+  double final_cost = 0.0;
+};
+
+// Moves poses and points to the minimum.
+PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options);
+
+// Whitened residual of an edge, squared: chi-square with three degrees of freedom when the covariance is true.
+double SquaredNormalisedResidual(const PoseEdge& edge, const std::vector<Pose2>& poses);
+
+// Covariances of the given poses at the solution (all observations without robust loss, inverse of the normal matrix).
+// Empty when the normal matrix is singular (no datum).
+std::vector<Eigen::Matrix3d> PoseCovariances(const PoseGraph& graph, const std::vector<int>& poses);
+
+}  // namespace survey

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The map of a block: occupancy rendered from all scans at their final poses on the site's cells.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "survey/geometry/pose2.h"
+#include "survey/grid/occupancy_pyramid.h"
+#include "survey/grid/site_raster.h"
+#include "survey/sensors/session.h"
+
+namespace survey {
+
+struct RenderOptions {
+  OccupancyOptions grid{.num_levels = 1};
+  double max_range_m = 30.0;
+  double free_range_m = 0.0;  // beams without return clear the space up to here; 0: they tell nothing
+};
+
+// Poses: site_from_scan of every scan, in the session's order. Cells are those of the site raster with the grid's cell
+// size.
+SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan, const RenderOptions& options,
+                       const std::function<void(std::size_t)>& progress = {});
+
+}  // namespace survey

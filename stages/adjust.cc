@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// plumbline-adjust: the back end. Ties a block to its control points; without control it stays in its local frame.
+#include <cstdio>
+
+#include "formats/artefacts.h"
+#include "pipeline/stage.h"
+#include "survey/graph/block_adjustment.h"
+
+namespace {
+
+std::string Summary(const survey::Solution& solution) {
+  const survey::AdjustmentStatistics& statistics = solution.statistics;
+  std::string text =
+      std::to_string(statistics.num_nodes) + " nodes, " + std::to_string(statistics.num_loops) + " loops, ";
+  if (!solution.tied) return text + "not tied to control: local frame";
+  double squares = 0.0;
+  for (const survey::SolvedMark& mark : solution.marks) {
+    if (mark.used) squares += mark.residual.squaredNorm();
+  }
+  char residuals[160];
+  std::snprintf(
+      residuals, sizeof residuals,
+      "%d control marks, rms of their residuals %.1f mm (a fit, not an accuracy), scale %+.0f ppm, sigma zero %.2f",
+      statistics.num_control_marks, 1000.0 * std::sqrt(squares / std::max(1, statistics.num_control_marks)),
+      1e6 * (solution.rigid_scale - 1.0), statistics.sigma_zero);
+  return text + residuals;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  pipeline::Stage stage("adjust", "Adjust a block with its loops and control points.",
+                        "plumbline adjust --track work/B1/track.sqlite --loops work/B1/loops.sqlite --control "
+                        "work/B1/control.sqlite --output "
+                        "work/B1/solution.sqlite");
+  std::filesystem::path track_file;
+  std::filesystem::path loops_file;
+  std::filesystem::path control_file;
+  std::filesystem::path output;
+  survey::BlockAdjustmentOptions options;
+  stage.Input("track", &track_file, "track of the block");
+  stage.Input("loops", &loops_file, "its loops");
+  stage.OptionalInput("control", &control_file, "its extract of the control points; without: local frame");
+  stage.Output("output", &output, "solution.sqlite to write");
+  stage.Option("loop-robust-sigmas", &options.solver.robust_scale, "beyond this a loop loses weight", {.min = 0.1});
+  stage.Option("allow-single-point", &options.allow_single_point,
+               "accept a block with one control point (no direction)");
+  stage.Option("covariance-spacing-m", &options.covariance_spacing_m,
+               "path between poses whose covariance is written (m)", {.min = 0.1});
+  return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
+    const survey::Track track = formats::ReadTrack(track_file);
+    const survey::Loops loops = formats::ReadLoops(loops_file);
+    const survey::ControlNetwork control =
+        control_file.empty() ? survey::ControlNetwork{} : formats::ReadControl(control_file);
+    const std::vector<survey::StampNs> stamps = formats::ReadScanStamps(track_file);
+    const survey::BlockAdjustment adjustment = survey::AdjustBlock(track, loops, control, stamps, options);
+    if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
+    formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
+    run.Message(Summary(adjustment.solution));
+  });
+}

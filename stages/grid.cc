@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// plumbline-grid: the map of a block, rendered from all scans at their final poses on the site's cells.
+#include "formats/artefacts.h"
+#include "formats/raster_file.h"
+#include "pipeline/stage.h"
+#include "survey/submaps/block_raster.h"
+
+int main(int argc, char** argv) {
+  pipeline::Stage stage(
+      "grid", "Render the occupancy grid of a block from all its scans.",
+      "plumbline grid --session work/B1/session.sqlite --solution work/B1/solution.sqlite --output work/B1/grid.tif");
+  std::filesystem::path session_file;
+  std::filesystem::path solution_file;
+  std::filesystem::path output;
+  survey::RenderOptions options;
+  stage.Input("session", &session_file, "session of the block");
+  stage.Input("solution", &solution_file, "its solution");
+  stage.Output("output", &output, "grid.tif to write");
+  stage.Option("cell-size-m", &options.grid.cell_size_m, "cell of the map (m)", {.min = 0.005, .max = 10.0});
+  stage.Option("max-range-m", &options.max_range_m, "ranges beyond are not used (m)", {.min = 1.0});
+  stage.Option("free-range-m", &options.free_range_m,
+               "beams without return clear the map up to here (m); 0: they tell nothing", {.min = 0.0});
+  return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
+    const survey::Session session = formats::ReadSession(session_file);
+    const survey::Solution solution = formats::ReadSolution(solution_file);
+    if (solution.scans.size() != session.scans.size()) {
+      throw formats::DataError(solution_file.string() + ": has " + std::to_string(solution.scans.size()) + " scans, " +
+                               session_file.string() + " has " + std::to_string(session.scans.size()) +
+                               ": they do not belong together");
+    }
+    std::vector<survey::Pose2> poses;
+    for (const survey::SolvedScan& scan : solution.scans) poses.push_back(scan.site_from_scan);
+    pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(poses.size()));
+    const survey::SiteRaster raster = survey::RenderBlock(
+        session, poses, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
+    if (raster.width == 0)
+      throw formats::DataError(session_file.string() + ": no scan has a range within " +
+                               std::to_string(options.max_range_m) + " m: the map is empty");
+    formats::WriteRaster(output, raster, {.frame = solution.frame, .tied = solution.tied}, run.Provenance());
+    run.Message(std::to_string(raster.width) + " x " + std::to_string(raster.height) + " cells of " +
+                std::to_string(raster.cell_size_m) + " m");
+  });
+}

@@ -13,6 +13,10 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
+// The instruments' last digits.
+double Rounded(double value) { return std::round(value * 1e7) / 1e7; }
+Vector3d Rounded(const Vector3d& v) { return {Rounded(v.x()), Rounded(v.y()), Rounded(v.z())}; }
+
 std::vector<StampNs> StampsOf(const BlockRoute& block, const Trajectory& trajectory, double rate_hz) {
   std::vector<StampNs> stamps;
   for (std::int64_t i = 0;; ++i) {
@@ -53,11 +57,12 @@ std::vector<ImuSample> SimulateImu(const Scenario& scenario, const BlockRoute& b
     const Eigen::Matrix3d body_from_plan = state.PlanFromBody().transpose();
     const Vector3d coriolis = 2.0 * earth_rate.cross(trajectory.BodyVelocity(time));
     const Vector3d force = trajectory.BodyAcceleration(time) + coriolis - gravity;
-    samples.push_back({.stamp_ns = stamp,
-                       .angular_rate_in_body = state.AngularRateInBody() + body_from_plan * earth_rate + gyro_bias +
-                                               gyro_sigma * NormalVector(noise, 2 * index),
-                       .specific_force_in_body = body_from_plan * force + accelerometer_bias +
-                                                 accelerometer_sigma * NormalVector(noise, 2 * index + 1)});
+    const Vector3d rate = state.AngularRateInBody() + body_from_plan * earth_rate + gyro_bias +
+                          gyro_sigma * NormalVector(noise, 2 * index);
+    const Vector3d measured_force =
+        body_from_plan * force + accelerometer_bias + accelerometer_sigma * NormalVector(noise, 2 * index + 1);
+    samples.push_back(
+        {.stamp_ns = stamp, .angular_rate_in_body = Rounded(rate), .specific_force_in_body = Rounded(measured_force)});
     ++index;
   }
   return samples;
@@ -100,7 +105,7 @@ std::vector<OdometrySample> SimulateOdometry(const Scenario& scenario, const Blo
       step = {factor * step.x, factor * step.y, turn};
       odom_from_body = odom_from_body * step;
     }
-    samples.push_back({stamp, odom_from_body});
+    samples.push_back({stamp, {Rounded(odom_from_body.x), Rounded(odom_from_body.y), Rounded(odom_from_body.theta)}});
     before = now;
     ++index;
   }

@@ -148,7 +148,7 @@ std::vector<float> SimulatedLidar::Ranges(std::int64_t scan) const {
       if (range > lidar.range_max_m) range = kNoReturn;
       if (range < lidar.range_min_m || chance.Uniform(8 * beam) < lidar.dropout_probability) range = kInvalidRange;
     }
-    ranges[i] = static_cast<float>(range);
+    ranges[i] = static_cast<float>(std::round(range * 1000.0) / 1000.0);  // the instrument reads millimetres
   }
   return ranges;
 }

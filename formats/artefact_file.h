@@ -8,7 +8,8 @@
 //   constexpr auto kSubmapRow = [](auto& row, auto& submap) { row(submap.id, submap.local_from_submap); };
 //
 // One value takes as many columns as it has numbers: Pose2 three (x, y, theta), Vector2d two, Matrix2d three and
-// Matrix3d six (upper triangle by rows), SubmapConstraint eleven, a vector<float> two (bytes and their CRC-32).
+// Matrix3d six (upper triangle by rows), ScanStamp two, SubmapConstraint eleven, a vector<float> two (bytes and their
+// CRC-32).
 #pragma once
 
 #include <Eigen/Core>
@@ -30,6 +31,7 @@
 #include "formats/provenance.h"
 #include "formats/sqlite.h"
 #include "survey/geometry/pose2.h"
+#include "survey/sensors/session.h"
 #include "survey/submaps/track.h"
 
 namespace formats {
@@ -95,6 +97,10 @@ class TableWriter {
   void Put(std::string_view text);
   void Put(const std::string& text) { Put(std::string_view(text)); }
   void Put(survey::ScanId id) { PutInteger(id.value); }
+  void Put(const survey::ScanStamp& stamp) {
+    PutInteger(stamp.clock_ns);
+    PutInteger(stamp.recorded_ns);
+  }
   void Put(survey::SubmapId id) { PutInteger(id.value); }
   void Put(const survey::Pose2& pose);
   void Put(const Eigen::Vector2d& v);
@@ -165,6 +171,7 @@ class TableReader {
   void Get(std::optional<double>& value);
   void Get(std::string& text);
   void Get(survey::ScanId& id) { Get(id.value); }
+  void Get(survey::ScanStamp& stamp) { (*this)(stamp.clock_ns, stamp.recorded_ns); }
   void Get(survey::SubmapId& id) { Get(id.value); }
   void Get(survey::Pose2& pose);
   void Get(Eigen::Vector2d& v);

@@ -32,7 +32,8 @@ CREATE TABLE scans (
   stamp_ns INTEGER NOT NULL,  -- of the first beam
   geometry INTEGER NOT NULL REFERENCES geometries (id),
   ranges BLOB NOT NULL,       -- float32 little-endian, m; +inf: no return; NaN: invalid
-  ranges_crc32 INTEGER NOT NULL
+  ranges_crc32 INTEGER NOT NULL,
+  clock_repair_ns INTEGER NOT NULL  -- stamp_ns minus the stamp that the raw log prints
 ) STRICT;
 CREATE TABLE imu (
   id INTEGER PRIMARY KEY CHECK (id >= 0),
@@ -62,7 +63,8 @@ CREATE TABLE marks (
 constexpr std::string_view kTrackSchema = R"(
 CREATE TABLE scans (
   scan INTEGER PRIMARY KEY CHECK (scan >= 0),  -- index in the session
-  stamp_ns INTEGER NOT NULL,
+  stamp_ns INTEGER NOT NULL,           -- on the block's clock
+  recorded_stamp_ns INTEGER NOT NULL,  -- as the raw log prints it
   x REAL NOT NULL,      -- local_from_scan: m
   y REAL NOT NULL,      -- m
   theta REAL NOT NULL,  -- rad
@@ -181,7 +183,8 @@ CREATE TABLE block (
 ) STRICT;
 CREATE TABLE scans (
   scan INTEGER PRIMARY KEY CHECK (scan >= 0),  -- index in the session
-  stamp_ns INTEGER NOT NULL,
+  stamp_ns INTEGER NOT NULL,           -- on the block's clock
+  recorded_stamp_ns INTEGER NOT NULL,  -- as the raw log prints it
   x REAL NOT NULL,      -- site_from_scan: easting, m
   y REAL NOT NULL,      -- northing, m
   theta REAL NOT NULL,  -- rad, from east towards north

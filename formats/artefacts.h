@@ -20,7 +20,7 @@ void WriteSession(const std::filesystem::path& file, const survey::Session& sess
 survey::Session ReadSession(const std::filesystem::path& file);
 
 void WriteTrack(const std::filesystem::path& file, const survey::Track& track,
-                const std::vector<survey::StampNs>& scan_stamps, const Provenance& provenance);
+                const std::vector<survey::ScanStamp>& scan_stamps, const Provenance& provenance);
 survey::Track ReadTrack(const std::filesystem::path& file);
 
 void WriteLoops(const std::filesystem::path& file, const survey::Loops& loops, const Provenance& provenance);
@@ -31,10 +31,10 @@ void WriteControl(const std::filesystem::path& file, const survey::ControlNetwor
 survey::ControlNetwork ReadControl(const std::filesystem::path& file);
 
 void WriteSolution(const std::filesystem::path& file, const survey::Solution& solution,
-                   const std::vector<survey::StampNs>& scan_stamps, const Provenance& provenance);
+                   const std::vector<survey::ScanStamp>& scan_stamps, const Provenance& provenance);
 survey::Solution ReadSolution(const std::filesystem::path& file);
 
 // Stamps of the scans as stored beside the poses of a track or solution, in their order.
-std::vector<survey::StampNs> ReadScanStamps(const std::filesystem::path& file);
+std::vector<survey::ScanStamp> ReadScanStamps(const std::filesystem::path& file);
 
 }  // namespace formats

@@ -12,7 +12,9 @@ constexpr auto kGeometryRow = [](auto& row, auto& id, auto& geometry) {
   row(id, geometry.angle_min_rad, geometry.angle_increment_rad, geometry.time_increment_s, geometry.range_min_m,
       geometry.range_max_m, geometry.num_beams);
 };
-constexpr auto kScanRow = [](auto& row, auto& id, auto& scan) { row(id, scan.stamp_ns, scan.geometry, scan.ranges_m); };
+constexpr auto kScanRow = [](auto& row, auto& id, auto& scan) {
+  row(id, scan.stamp_ns, scan.geometry, scan.ranges_m, scan.clock_repair_ns);
+};
 constexpr auto kImuRow = [](auto& row, auto& id, auto& sample) {
   row(id, sample.stamp_ns, sample.angular_rate_in_body, sample.specific_force_in_body);
 };

@@ -10,8 +10,8 @@ namespace {
 constexpr auto kBlockRow = [](auto& row, auto& id, auto& solution) {
   row(id, solution.tied, solution.frame.crs, solution.frame.wkt2, solution.site_from_local, solution.rigid_scale);
 };
-constexpr auto kScanRow = [](auto& row, auto& stamp_ns, auto& scan) {
-  row(scan.scan, stamp_ns, scan.site_from_scan, scan.is_node);
+constexpr auto kScanRow = [](auto& row, auto& stamp, auto& scan) {
+  row(scan.scan, stamp, scan.site_from_scan, scan.is_node);
 };
 constexpr auto kMarkRow = [](auto& row, auto& id, auto& mark) {
   row(id, mark.point, mark.start_ns, mark.end_ns, mark.scan, mark.used, mark.position_in_site, mark.covariance,
@@ -26,7 +26,7 @@ constexpr auto kStatisticsRow = [](auto& row, auto& id, auto& statistics) {
 }  // namespace
 
 void WriteSolution(const std::filesystem::path& file, const survey::Solution& solution,
-                   const std::vector<survey::StampNs>& scan_stamps, const Provenance& provenance) {
+                   const std::vector<survey::ScanStamp>& scan_stamps, const Provenance& provenance) {
   ArtefactWriter writer(file, ArtefactKind::kSolution, provenance);
   WriteOneRow(writer, "block", solution, kBlockRow);
   WriteScans(writer, solution.scans, scan_stamps, kScanRow);
@@ -58,12 +58,12 @@ survey::Solution ReadSolution(const std::filesystem::path& file) {
   return solution;
 }
 
-std::vector<survey::StampNs> ReadScanStamps(const std::filesystem::path& file) {
+std::vector<survey::ScanStamp> ReadScanStamps(const std::filesystem::path& file) {
   const ArtefactKind kind = KindOfArtefact(file);
   if (kind != ArtefactKind::kTrack && kind != ArtefactKind::kSolution)
     throw DataError(file.string() + ": a " + std::string(FormatOf(kind).name) + " file, expected a track or solution");
   ArtefactReader reader(file, kind);
-  std::vector<survey::StampNs> stamps;
+  std::vector<survey::ScanStamp> stamps;
   reader.Table("scans", [&](TableReader& row) {
     survey::ScanId scan;
     row(scan, stamps.emplace_back());

@@ -13,8 +13,8 @@ using survey::Prediction;
 constexpr std::array kPredictions = {Prediction::kStart, Prediction::kOdometry, Prediction::kInertial,
                                      Prediction::kConstantVelocity};
 
-constexpr auto kScanRow = [](auto& row, auto& stamp_ns, auto& scan) {
-  row(scan.scan, stamp_ns, scan.local_from_scan, scan.covariance, Named{scan.prediction, kPredictions}, scan.matched,
+constexpr auto kScanRow = [](auto& row, auto& stamp, auto& scan) {
+  row(scan.scan, stamp, scan.local_from_scan, scan.covariance, Named{scan.prediction, kPredictions}, scan.matched,
       scan.is_node, scan.score);
 };
 constexpr auto kConstraintRow = [](auto& row, auto& id, auto& constraint) { row(id, constraint); };
@@ -59,7 +59,7 @@ std::vector<survey::Submap> ReadSubmaps(ArtefactReader& reader) {
 }  // namespace
 
 void WriteTrack(const std::filesystem::path& file, const survey::Track& track,
-                const std::vector<survey::StampNs>& scan_stamps, const Provenance& provenance) {
+                const std::vector<survey::ScanStamp>& scan_stamps, const Provenance& provenance) {
   ArtefactWriter writer(file, ArtefactKind::kTrack, provenance);
   WriteScans(writer, track.scans, scan_stamps, kScanRow);
   WriteSubmaps(writer, track.submaps);

@@ -53,8 +53,9 @@ int main(int argc, char** argv) {
     const survey::Loops loops = formats::ReadLoops(loops_file);
     const survey::ControlNetwork control =
         control_file.empty() ? survey::ControlNetwork{} : formats::ReadControl(control_file);
-    const std::vector<survey::StampNs> stamps = formats::ReadScanStamps(track_file);
-    const survey::BlockAdjustment adjustment = survey::AdjustBlock(track, loops, control, stamps, options);
+    const std::vector<survey::ScanStamp> stamps = formats::ReadScanStamps(track_file);
+    const survey::BlockAdjustment adjustment =
+        survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options);
     if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
     run.Message(Summary(adjustment.solution));

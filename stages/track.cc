@@ -41,9 +41,7 @@ int main(int argc, char** argv) {
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(session.scans.size()));
     const survey::Track track = survey::TrackBlock(
         session, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
-    std::vector<survey::StampNs> stamps;
-    for (const survey::Scan& scan : session.scans) stamps.push_back(scan.stamp_ns);
-    formats::WriteTrack(output, track, stamps, run.Provenance());
+    formats::WriteTrack(output, track, survey::StampsOfScans(session), run.Provenance());
     run.Message(std::to_string(track.scans.size()) + " scans, " + std::to_string(track.submaps.size()) + " submaps, " +
                 std::to_string(track.constraints.size()) + " constraints, " + std::to_string(track.requests.size()) +
                 " review requests");

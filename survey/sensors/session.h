@@ -42,11 +42,7 @@ struct Scan {
   StampNs stamp_ns = 0;
   int geometry = 0;             // index into Session::geometries
   std::vector<float> ranges_m;  // one per beam; kNoReturn, kInvalidRange
-  // stamp_ns minus the stamp that the raw log prints: not 0 only where a faulty logger clock was repaired. The printed
-  // stamp is what other records of the same drive refer to, so poses are handed out under it.
-  StampNs clock_repair_ns = 0;
-
-  StampNs RecordedStamp() const { return stamp_ns - clock_repair_ns; }
+  StampNs clock_repair_ns = 0;  // stamp_ns minus the stamp that the raw log prints
 };
 
 struct ImuSample {
@@ -85,12 +81,27 @@ struct Session {
   std::vector<Mark> marks;
 };
 
-// The stamps to store beside the poses of a session's scans.
-inline std::vector<StampNs> RecordedStamps(const Session& session) {
-  std::vector<StampNs> stamps;
+// The stamps of a scan, kept beside its pose. They differ only where a faulty clock of the logging program was
+// repaired.
+struct ScanStamp {
+  StampNs clock_ns = 0;     // on the block's clock, which grows from scan to scan
+  StampNs recorded_ns = 0;  // as the raw log prints it: what other records of the drive refer to; exports use it
+
+  bool operator==(const ScanStamp&) const = default;
+};
+
+inline std::vector<ScanStamp> StampsOfScans(const Session& session) {
+  std::vector<ScanStamp> stamps;
   stamps.reserve(session.scans.size());
-  for (const Scan& scan : session.scans) stamps.push_back(scan.RecordedStamp());
+  for (const Scan& scan : session.scans) stamps.push_back({scan.stamp_ns, scan.stamp_ns - scan.clock_repair_ns});
   return stamps;
+}
+
+inline std::vector<StampNs> ClockStamps(const std::vector<ScanStamp>& stamps) {
+  std::vector<StampNs> clock;
+  clock.reserve(stamps.size());
+  for (const ScanStamp& stamp : stamps) clock.push_back(stamp.clock_ns);
+  return clock;
 }
 
 }  // namespace survey

@@ -53,6 +53,7 @@ TEST(Artefacts, SessionSurvives) {
   ASSERT_EQ(read.scans.size(), written.scans.size());
   for (std::size_t i = 0; i < read.scans.size(); ++i) {
     EXPECT_EQ(read.scans[i].stamp_ns, written.scans[i].stamp_ns);
+    EXPECT_EQ(read.scans[i].clock_repair_ns, written.scans[i].clock_repair_ns);
     EXPECT_EQ(read.scans[i].geometry, written.scans[i].geometry);
     EXPECT_TRUE(SameBits(read.scans[i].ranges_m, written.scans[i].ranges_m));
   }
@@ -84,7 +85,7 @@ TEST(Artefacts, TrackSurvives) {
   const ScratchFolder folder;
   RandomArtefacts random(2);
   const survey::Track written = random.Track(300);
-  const auto stamps = random.Stamps(300);
+  const auto stamps = random.ScanStamps(300);
   WriteTrack(folder / "track.sqlite", written, stamps, random.Provenance(1));
   const survey::Track read = ReadTrack(folder / "track.sqlite");
 
@@ -166,7 +167,7 @@ TEST(Artefacts, SolutionSurvives) {
   RandomArtefacts random(5);
   survey::Solution written = random.Solution(100);
   written.statistics.sigma_zero = std::nan("");
-  const auto stamps = random.Stamps(100);
+  const auto stamps = random.ScanStamps(100);
   WriteSolution(folder / "solution.sqlite", written, stamps, random.Provenance(3));
   const survey::Solution read = ReadSolution(folder / "solution.sqlite");
 
@@ -280,9 +281,9 @@ TEST(Artefacts, WritersRefuseBrokenContent) {
   const ScratchFolder folder;
   RandomArtefacts random(12);
   survey::Track track = random.Track(10);
-  EXPECT_THROW(WriteTrack(folder / "t.sqlite", track, random.Stamps(9), random.Provenance(0)), std::logic_error);
+  EXPECT_THROW(WriteTrack(folder / "t.sqlite", track, random.ScanStamps(9), random.Provenance(0)), std::logic_error);
   track.constraints[0].submap = {77};
-  EXPECT_THROW(WriteTrack(folder / "t.sqlite", track, random.Stamps(10), random.Provenance(0)), std::logic_error);
+  EXPECT_THROW(WriteTrack(folder / "t.sqlite", track, random.ScanStamps(10), random.Provenance(0)), std::logic_error);
   survey::Loops loops = random.Loops(3);
   loops.loops[1].constraint.submap_from_scan.theta = std::nan("");
   EXPECT_THROW(WriteLoops(folder / "t.sqlite", loops, random.Provenance(0)), std::logic_error);

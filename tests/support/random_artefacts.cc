@@ -38,6 +38,13 @@ std::vector<survey::StampNs> RandomArtefacts::Stamps(int count) {
   return stamps;
 }
 
+std::vector<survey::ScanStamp> RandomArtefacts::ScanStamps(int count) {
+  std::vector<survey::ScanStamp> stamps;
+  for (const survey::StampNs stamp : Stamps(count))
+    stamps.push_back({stamp, stamp + static_cast<survey::StampNs>(Below(1000))});
+  return stamps;
+}
+
 formats::Provenance RandomArtefacts::Provenance(int num_ancestors) {
   std::vector<formats::ProvenanceRecord> chain;
   for (int i = 0; i <= num_ancestors; ++i) {
@@ -62,6 +69,7 @@ survey::Session RandomArtefacts::Session(int num_scans, int num_beams) {
   for (const survey::StampNs stamp : Stamps(num_scans)) {
     survey::Scan& scan = session.scans.emplace_back();
     scan.stamp_ns = stamp;
+    scan.clock_repair_ns = -static_cast<survey::StampNs>(Below(1000));
     scan.geometry = static_cast<int>(Below(2));
     scan.ranges_m.resize(static_cast<std::size_t>(num_beams + scan.geometry));
     for (float& range : scan.ranges_m) {
@@ -143,7 +151,7 @@ std::vector<ArtefactCase> SmallArtefacts(std::uint64_t seed) {
   using std::filesystem::path;
   RandomArtefacts random(seed);
   const formats::Provenance chain = random.Provenance(2);
-  const auto stamps = random.Stamps(30);
+  const auto stamps = random.ScanStamps(30);
   return {
       {"session", [chain, s = random.Session(30, 50)](const path& f) { formats::WriteSession(f, s, chain); },
        [](const path& f) { formats::ReadSession(f); },

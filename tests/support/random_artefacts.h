@@ -28,6 +28,7 @@ class RandomArtefacts {
   survey::ControlNetwork Control(int num_points);
   survey::Solution Solution(int num_scans);
   std::vector<survey::StampNs> Stamps(int count);
+  std::vector<survey::ScanStamp> ScanStamps(int count);
   formats::Provenance Provenance(int num_ancestors);
 
   std::uint64_t Below(std::uint64_t limit) { return engine_() % limit; }

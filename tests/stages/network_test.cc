@@ -39,7 +39,9 @@ class NetworkStageTest : public testing::Test {
   }
   void ExpectRefused(const std::string& points, const std::string& words, int status = 1,
                      const std::vector<std::string>& more = {}) {
-    if (!std::filesystem::exists(scratch_ / "work")) ASSERT_EQ(Run().status, 0);
+    if (!std::filesystem::exists(scratch_ / "work")) {
+      ASSERT_EQ(Run().status, 0);
+    }
     const std::string before = Bytes("work/control.sqlite"), extract = Bytes("work/B1/control.sqlite");
     Write("points.csv", points);
     const CommandResult result = Run(more);

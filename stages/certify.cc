@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Tests the blocks on what their adjustment never saw and writes the certificate. A class that is not met is a verdict,
+// not a failure: the exit status is 0.
+#include "survey/accuracy/certify.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "formats/artefacts.h"
+#include "formats/certificate_file.h"
+#include "pipeline/stage.h"
+
+namespace {
+
+using pipeline::NamedFile;
+
+struct CertifyFiles {
+  std::filesystem::path control;
+  std::vector<NamedFile> solutions;
+  std::filesystem::path seams;
+  std::filesystem::path output;
+};
+
+survey::CertifyInput ReadInput(const CertifyFiles& files) {
+  survey::CertifyInput input;
+  if (!files.control.empty()) input.network = formats::ReadControl(files.control);
+  for (const NamedFile& solution : files.solutions) {
+    if (std::any_of(input.blocks.begin(), input.blocks.end(),
+                    [&](const survey::CertifiedBlock& block) { return block.name == solution.name; })) {
+      throw formats::UsageError("--solution names block " + solution.name + " twice");
+    }
+    input.blocks.push_back({.name = solution.name, .solution = formats::ReadSolution(solution.file)});
+  }
+  return input;
+}
+
+std::string Summary(const survey::Certificate& certificate) {
+  if (!certificate.tied) return "no block is tied to control: nothing is certified";
+  std::string text = "not tested: no checks";
+  for (const auto& [name, test] :
+       {std::pair{"check features", &certificate.features_test}, std::pair{"check points", &certificate.points_test}}) {
+    if (test->statistics.num_points == 0) continue;
+    char numbers[160];
+    std::snprintf(numbers, sizeof numbers, "%s: RMSE_H %.1f mm (n = %d)", name, 1000.0 * test->statistics.rmse_product,
+                  test->statistics.num_points);
+    text = text.starts_with("not tested") ? numbers : text + "; " + numbers;
+  }
+  if (certificate.statement.meets) text += *certificate.statement.meets ? "; class met" : "; class NOT met";
+  return text;
+}
+
+void Run(const CertifyFiles& files, survey::CertifyInput input, pipeline::StageRun& run) {
+  const std::vector<std::string> contradictions = survey::FindContradictions(input);
+  if (!contradictions.empty()) {
+    std::string message = files.control.string();
+    for (const std::string& contradiction : contradictions) message += (message.empty() ? "" : ": ") + contradiction;
+    throw formats::DataError(message);
+  }
+  const survey::Certificate certificate = survey::Certify(input);
+  formats::WriteCertificate(files.output, certificate, run.Provenance());
+  run.Message(Summary(certificate));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  pipeline::Stage stage("certify", "Test the maps on independent checks and write the certificate.",
+                        "plumbline certify --control work/control.sqlite --solution B1=work/B1/solution.sqlite --seams "
+                        "out/seams.json --output out/certificate.json");
+  CertifyFiles files;
+  std::string site_title = "Site";
+  double class_m = 0.0;
+  double centring_sigma_m = 0.005;
+  stage.OptionalInput("control", &files.control, "control.sqlite of the site");
+  stage.NamedInputs("solution", &files.solutions, "solution.sqlite of each block", true);
+  stage.OptionalInput("seams", &files.seams, "seams.json of the stitched site");
+  stage.Output("output", &files.output, "certificate.json to write");
+  stage.Option("site-title", &site_title, "title of the site on the certificate");
+  stage.Option("accuracy-class-m", &class_m, "class to certify: largest RMSE_H (m); 0: none asked for",
+               {.min = 0.0, .max = 100.0});
+  stage.Option("check-centring-m", &centring_sigma_m, "1 sigma per axis of the platform over a check point (m)",
+               {.min = 0.0, .max = 1.0});
+  return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
+    survey::CertifyInput input = ReadInput(files);
+    input.site = site_title;
+    input.centring_sigma_m = centring_sigma_m;
+    if (class_m > 0.0) input.class_m = class_m;
+    Run(files, std::move(input), run);
+  });
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The certificate as a page for people.
+#include "formats/artefacts.h"
+#include "formats/atomic_file.h"
+#include "formats/certificate_file.h"
+#include "formats/certificate_html.h"
+#include "pipeline/stage.h"
+
+namespace {
+
+constexpr int kMapPixels = 1600;
+
+std::vector<formats::BlockTrajectory> ReadTrajectories(const std::vector<pipeline::NamedFile>& solutions) {
+  std::vector<formats::BlockTrajectory> trajectories;
+  for (const pipeline::NamedFile& file : solutions) {
+    const survey::Solution solution = formats::ReadSolution(file.file);
+    // A lone block is drawn in its local frame; among others only tied ones share a frame.
+    if (!solution.tied && solutions.size() > 1) continue;
+    trajectories.push_back({.block = file.name, .positions_in_site = {}});
+    for (const survey::SolvedScan& scan : solution.scans) {
+      trajectories.back().positions_in_site.push_back(scan.site_from_scan.Translation());
+    }
+  }
+  return trajectories;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  pipeline::Stage stage("report", "Write the certificate as a self-contained HTML page.",
+                        "plumbline report --certificate out/certificate.json --site-map out/site.tif --solution "
+                        "B1=work/B1/solution.sqlite --output out/certificate.html");
+  std::filesystem::path certificate, site_map, output;
+  std::vector<pipeline::NamedFile> solutions;
+  stage.Input("certificate", &certificate, "certificate.json");
+  stage.OptionalInput("site-map", &site_map, "site.tif, for the figures");
+  stage.NamedInputs("solution", &solutions, "solution.sqlite of each block, for the figures", false);
+  stage.Output("output", &output, "certificate.html to write");
+  return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
+    formats::CertificatePage page{.certificate = formats::ReadCertificate(certificate),
+                                  .trajectories = ReadTrajectories(solutions)};
+    if (!site_map.empty()) page.map = formats::ReadMapThumbnail(site_map, kMapPixels);
+    page.provenance = run.Provenance();
+    formats::WriteFileAtomically(output, formats::CertificateHtml(page));
+  });
+}

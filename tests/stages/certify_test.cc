@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// certify and report through their executables, on solutions made by hand.
+#include <gtest/gtest.h>
+
+#include "formats/artefacts.h"
+#include "formats/atomic_file.h"
+#include "formats/certificate_file.h"
+#include "tests/support/command.h"
+#include "tests/support/scratch_folder.h"
+
+namespace {
+
+using survey::PointRole;
+using test_support::CommandResult;
+
+const formats::Provenance kProvenance = {.records = {{.stage = "adjust", .version = "1"}}};
+const Eigen::Matrix2d kSurvey = Eigen::Matrix2d::Identity() * 4e-6;
+
+class CertifyStageTest : public testing::Test {
+ protected:
+  CertifyStageTest() {
+    survey::ControlNetwork network;
+    for (int i = 0; i < 8; ++i) {
+      network.points.push_back({.name = "P" + std::to_string(i),
+                                .role = i < 3 ? PointRole::kControl : PointRole::kCheck,
+                                .position_in_site = {10.0 * i, 5.0 * (i % 2)},
+                                .covariance = kSurvey});
+    }
+    network_ = network;
+    formats::WriteControl(scratch_ / "control.sqlite", network, kProvenance);
+    WriteBlock("B1.sqlite", 0.01);
+  }
+
+  // Marks on all points, off by `error_m` east; P0 to P2 were used.
+  void WriteBlock(const std::string& name, double error_m, bool tied = true, bool check_used = false) {
+    survey::Solution solution{.tied = tied};
+    std::vector<survey::StampNs> stamps;
+    for (std::int64_t i = 0; i < 8; ++i) {
+      const survey::ControlPoint& point = network_.points[static_cast<std::size_t>(i)];
+      const Eigen::Vector2d at = point.position_in_site + Eigen::Vector2d(i < 3 ? 0.001 : error_m, 0);
+      solution.scans.push_back(
+          {.scan = survey::ScanId{static_cast<int>(i)}, .site_from_scan = {at.x(), at.y(), 0}, .is_node = true});
+      stamps.push_back(1000 * i);
+      solution.marks.push_back({.point = point.name,
+                                .start_ns = 1000 * i,
+                                .end_ns = 1000 * i + 10,
+                                .scan = survey::ScanId{static_cast<int>(i)},
+                                .used = tied && (i < 3 || (check_used && i == 4)),
+                                .position_in_site = at,
+                                .residual = {i < 3 ? 0.001 : 0.0, 0}});
+    }
+    formats::WriteSolution(scratch_ / name, solution, stamps, kProvenance);
+  }
+  CommandResult Run(std::vector<std::string> more = {}) {
+    std::vector<std::string> command = {"plumbline-certify", "--control", "control.sqlite",      "--solution",
+                                        "B1=B1.sqlite",      "--output",  "out/certificate.json"};
+    command.insert(command.end(), more.begin(), more.end());
+    return test_support::RunCommand(command, scratch_.path().string());
+  }
+  survey::Certificate Certificate() { return formats::ReadCertificate(scratch_ / "out/certificate.json"); }
+  std::string Bytes(const std::string& name) { return formats::ReadWholeFile(scratch_ / name); }
+
+  test_support::ScratchFolder scratch_;
+  survey::ControlNetwork network_;
+};
+
+TEST_F(CertifyStageTest, TestsTheCheckPoints) {
+  const CommandResult result = Run({"--accuracy-class-m", "0.05", "--site-title", "Garage"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const survey::Certificate c = Certificate();
+  EXPECT_EQ(c.site, "Garage");
+  EXPECT_EQ(c.points_test.statistics.num_points, 5);
+  EXPECT_NEAR(c.points_test.statistics.rmse, 0.01, 1e-9);
+  EXPECT_EQ(c.fit.size(), 3U);
+  EXPECT_TRUE(*c.statement.meets);
+  EXPECT_NE(result.err.find("check points: RMSE_H 12.6 mm (n = 5); class met"), std::string::npos) << result.err;
+}
+
+TEST_F(CertifyStageTest, AClassThatIsNotMetIsAVerdictNotAFailure) {
+  const CommandResult result = Run({"--accuracy-class-m", "0.005"});
+  EXPECT_EQ(result.status, 0);
+  EXPECT_NE(result.err.find("class NOT met"), std::string::npos) << result.err;
+  EXPECT_FALSE(*Certificate().statement.meets);
+}
+
+TEST_F(CertifyStageTest, NoneAndOneCheck) {
+  network_.points.resize(4);
+  formats::WriteControl(scratch_ / "control.sqlite", network_, kProvenance);
+  ASSERT_EQ(Run({"--accuracy-class-m", "0.05"}).status, 0);
+  EXPECT_NE(Certificate().statement.asprs.find("using ONLY 1 checkpoint."), std::string::npos);
+  EXPECT_FALSE(*Certificate().statement.demonstrated);
+  network_.points.resize(3);
+  formats::WriteControl(scratch_ / "control.sqlite", network_, kProvenance);
+  ASSERT_EQ(Run({"--accuracy-class-m", "0.05"}).status, 0);
+  EXPECT_NE(Certificate().statement.asprs.find("was produced to meet"), std::string::npos);
+  EXPECT_FALSE(Certificate().statement.meets.has_value());
+}
+
+TEST_F(CertifyStageTest, RefusesACheckThatWasControl) {
+  ASSERT_EQ(Run().status, 0);
+  const std::string before = Bytes("out/certificate.json");
+  WriteBlock("B1.sqlite", 0.01, true, true);
+  const CommandResult result = Run();
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("point P4 was used as control in the solution of block B1 but its role is check"),
+            std::string::npos)
+      << result.err;
+  EXPECT_EQ(Bytes("out/certificate.json"), before);
+}
+
+TEST_F(CertifyStageTest, BlocksWithoutControlAreNotCertified) {
+  WriteBlock("B1.sqlite", 0.01, false);
+  ASSERT_EQ(
+      test_support::RunCommand({"plumbline-certify", "--solution", "B1=B1.sqlite", "--output", "out/certificate.json"},
+                               scratch_.path().string())
+          .status,
+      0);
+  EXPECT_FALSE(Certificate().tied);
+  EXPECT_TRUE(Certificate().statement.asprs.empty());
+  ASSERT_EQ(test_support::RunCommand({"plumbline-report", "--certificate", "out/certificate.json", "--solution",
+                                      "B1=B1.sqlite", "--output", "page.html"},
+                                     scratch_.path().string())
+                .status,
+            0);
+  EXPECT_NE(Bytes("page.html").find("NOT TIED TO CONTROL"), std::string::npos);
+  EXPECT_NE(Bytes("page.html").find("<h1>Map report</h1>"), std::string::npos);
+}
+
+TEST_F(CertifyStageTest, TheSameInputsGiveTheSameBytes) {
+  const std::vector<std::string> report = {"plumbline-report", "--certificate", "out/certificate.json",
+                                           "--solution",       "B1=B1.sqlite",  "--output",
+                                           "page.html"};
+  ASSERT_EQ(Run().status, 0);
+  ASSERT_EQ(test_support::RunCommand(report, scratch_.path().string()).status, 0);
+  const std::string certificate = Bytes("out/certificate.json"), page = Bytes("page.html");
+  std::filesystem::remove_all(scratch_ / "out");
+  ASSERT_EQ(Run({"--threads", "1"}).status, 0);
+  ASSERT_EQ(test_support::RunCommand(report, scratch_.path().string()).status, 0);
+  EXPECT_EQ(Bytes("out/certificate.json"), certificate);
+  EXPECT_EQ(Bytes("page.html"), page);
+}
+
+TEST_F(CertifyStageTest, ReportRefusesACutCertificate) {
+  ASSERT_EQ(Run().status, 0);
+  formats::WriteFileAtomically(scratch_ / "cut.json", Bytes("out/certificate.json").substr(0, 700));
+  const CommandResult result = test_support::RunCommand(
+      {"plumbline-report", "--certificate", "cut.json", "--output", "page.html"}, scratch_.path().string());
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("cut.json"), std::string::npos) << result.err;
+}
+
+}  // namespace

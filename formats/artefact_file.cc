@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <stdexcept>
 
 #include "formats/digest.h"
@@ -76,10 +77,28 @@ std::vector<std::string> TablesOf(Database& database) {
 
 std::string FullSchema(ArtefactKind kind) { return std::string(kCommonSchema) + std::string(FormatOf(kind).schema); }
 
-std::vector<std::string> ExpectedSchema(ArtefactKind kind) {
-  Database database = Database::InMemory();
-  database.Execute(FullSchema(kind));
-  return SchemaOf(database);
+// As SQLite itself lists it.
+const std::vector<std::string>& ExpectedSchema(ArtefactKind kind) {
+  static const auto schemas = [] {
+    std::map<ArtefactKind, std::vector<std::string>> by_kind;
+    for (const ArtefactFormat& format : AllFormats()) {
+      Database database = Database::InMemory();
+      database.Execute(FullSchema(format.kind));
+      by_kind.emplace(format.kind, SchemaOf(database));
+    }
+    return by_kind;
+  }();
+  return schemas.at(kind);
+}
+
+// SQLite reads a file that ends within a page as if zeros followed.
+void CheckSize(Database& database) {
+  const auto size = static_cast<std::int64_t>(std::filesystem::file_size(database.file()));
+  const std::int64_t expected = database.Integer("PRAGMA page_size") * database.Integer("PRAGMA page_count");
+  if (size != expected) {
+    throw DataError(database.file().string() + ": damaged: " + std::to_string(size) + " bytes, expected " +
+                    std::to_string(expected) + (size < expected ? " (truncated)" : ""));
+  }
 }
 
 ArtefactKind KindOf(Database& database) {
@@ -308,6 +327,7 @@ ArtefactReader::ArtefactReader(const std::filesystem::path& file, ArtefactKind k
     throw DataError(file.string() + ": a " + std::string(FormatOf(found).name) + " file, expected a " +
                     std::string(FormatOf(kind).name) + " file");
   }
+  CheckSize(database_);
   CheckSchema(database_, kind);
   CheckForeignKeys(database_);
 }
@@ -352,6 +372,7 @@ std::vector<std::string> ExamineArtefact(const std::filesystem::path& file) {
   attempt([&] {
     Database database = Database::OpenForReading(file);
     const ArtefactKind kind = KindOf(database);
+    attempt([&] { CheckSize(database); });
     attempt([&] { CheckSchema(database, kind); });
     attempt([&] { CheckForeignKeys(database); });
     attempt([&] {

@@ -261,6 +261,8 @@ CREATE TABLE end_marker (
 ) STRICT;
 )";
 
+std::span<const ArtefactFormat> AllFormats() { return kFormats; }
+
 const ArtefactFormat& FormatOf(ArtefactKind kind) {
   for (const ArtefactFormat& format : kFormats) {
     if (format.kind == kind) return format;

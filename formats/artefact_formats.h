@@ -5,6 +5,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace formats {
@@ -23,6 +24,7 @@ struct ArtefactFormat {
 
 inline constexpr int kApplicationId = 0x504c4d42;  // "PLMB"
 
+std::span<const ArtefactFormat> AllFormats();
 const ArtefactFormat& FormatOf(ArtefactKind kind);
 std::optional<ArtefactKind> KindOfUserVersion(int user_version);
 

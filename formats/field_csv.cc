@@ -45,7 +45,7 @@ void CheckHeader(const CsvReader& csv, const ScanGeometry& geometry) {
   require(geometry.range_max_m > geometry.range_min_m, "range_max", geometry.range_max_m, "must exceed range_min");
 }
 
-ScanGeometry ReadScansHeader(CsvReader* csv) {
+ScanGeometry ReadScansHeader(CsvReader* csv, const FieldDataOptions& options) {
   std::string_view line;
   if (!csv->NextLine(&line)) throw DataError(csv->file().string() + ": is empty, expected " + kHeaderForm);
   if (!line.starts_with('#')) csv->FailRow(std::string("the first line must be ") + kHeaderForm);
@@ -71,6 +71,8 @@ ScanGeometry ReadScansHeader(CsvReader* csv) {
     missing.erase(found);
   }
   if (!missing.empty()) csv->FailRow(missing.begin()->first + " is missing; expected " + kHeaderForm);
+  geometry.range_min_m = options.range_min_m.value_or(geometry.range_min_m);
+  geometry.range_max_m = options.range_max_m.value_or(geometry.range_max_m);
   CheckHeader(*csv, geometry);
   return geometry;
 }
@@ -153,9 +155,9 @@ void AppendRange(float range, const ScanGeometry& geometry, std::string* line) {
 
 }  // namespace
 
-ScansCsv ReadScansCsv(const fs::path& file) {
+ScansCsv ReadScansCsv(const fs::path& file, const FieldDataOptions& options) {
   CsvReader csv(file);
-  ScansCsv result{.geometry = ReadScansHeader(&csv)};
+  ScansCsv result{.geometry = ReadScansHeader(&csv, options)};
   StampOrder order;
   while (csv.NextRow()) {
     const int beams = static_cast<int>(csv.fields().size()) - 1;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "formats/field_data.h"
 #include "survey/sensors/session.h"
 
 namespace formats {
@@ -18,7 +19,7 @@ struct ScansCsv {
 };
 
 // Empty field, or a range beyond range_max: kNoReturn. A range below range_min: kInvalidRange.
-ScansCsv ReadScansCsv(const std::filesystem::path& file);
+ScansCsv ReadScansCsv(const std::filesystem::path& file, const FieldDataOptions& options = {});
 std::vector<survey::ImuSample> ReadImuCsv(const std::filesystem::path& file);
 std::vector<survey::OdometrySample> ReadOdometryCsv(const std::filesystem::path& file);
 

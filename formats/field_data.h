@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the readers of raw field files have in common.
+// Raw field data of any format, and what its readers have in common.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,6 +36,14 @@ struct FieldData {
   std::vector<std::string> notes;                // what was left out or assumed as usual
   std::vector<std::string> warnings;             // what a person should look at
 };
+
+// Reads a raw file by its name: *.log and *.clf (CARMEN), *.bag (ROS 1), scans.csv, imu.csv, odometry.csv. DataError
+// for any other, and for whatever the reader of that kind refuses.
+FieldData ReadFieldData(const std::filesystem::path& file, const FieldDataOptions& options);
+
+// Adds what another file of the same block holds. DataError when both have scans at the same time: a block has one
+// scanner.
+void AddFieldData(FieldData more, const std::filesystem::path& file, FieldData* data);
 
 // The index of the geometry in the list; added when it is new.
 inline int IndexOfGeometry(const survey::ScanGeometry& geometry, std::vector<survey::ScanGeometry>* geometries) {

@@ -325,6 +325,22 @@ void Stage::Option(const std::string& name, double* value, const std::string& he
                        cli});
 }
 
+void Stage::Option(const std::string& name, std::optional<double>* value, const std::string& help, Range range) {
+  CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->type_name("FLOAT")->group("Options");
+  impl_->AddKey(name, {"number",
+                       [value](const toml::node& node, const std::string& where) {
+                         value->emplace();
+                         NumberFromToml(&**value, "a number")(node, where);
+                       },
+                       [value] { return *value ? ToText(**value) : ""; },
+                       [=] {
+                         if (!*value) return;
+                         if (!std::isfinite(**value)) throw UsageError(name + ": must be a finite number");
+                         CheckRange(name, **value, range);
+                       },
+                       cli});
+}
+
 void Stage::Option(const std::string& name, int* value, const std::string& help, Range range) {
   CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->capture_default_str()->group("Options");
   impl_->AddKey(name, {"integer", NumberFromToml(value, "an integer"), [value] { return std::to_string(*value); },

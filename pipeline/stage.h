@@ -126,6 +126,8 @@ class Stage {
 
   // Options that shape the output: command line, configuration key and provenance in one.
   void Option(const std::string& name, double* value, const std::string& help, Range range = {});
+  // Without a value unless given; its default is then an empty text.
+  void Option(const std::string& name, std::optional<double>* value, const std::string& help, Range range = {});
   void Option(const std::string& name, int* value, const std::string& help, Range range = {});
   void Option(const std::string& name, std::int64_t* value, const std::string& help, Range range = {});
   void Option(const std::string& name, bool* value, const std::string& help);

@@ -37,7 +37,7 @@ class FieldCsvTest : public testing::Test {
     return "no error";
   }
   std::string ScansError(const std::string& rows, const std::string& header = kHeader) {
-    return Error(ReadScansCsv, header + rows);
+    return Error([](const auto& file) { return ReadScansCsv(file); }, header + rows);
   }
   std::string ImuError(const std::string& rows) { return Error(ReadImuCsv, "t,gx,gy,gz,ax,ay,az\n" + rows); }
   std::string MarksError(const std::string& rows) {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Block maps put together on the site's cell raster ([CN] section 2.4: blocks that are tied to the same control land in
+// one coordinate system and are not matched to each other).
+#pragma once
+
+#include <span>
+
+#include "survey/grid/site_raster.h"
+
+namespace survey {
+
+struct MosaicOptions {
+  float min_log_odds = -4.0F;  // the sum over the blocks is clamped to this
+  float max_log_odds = 4.0F;
+};
+
+// Per cell the sum of the blocks' log-odds (independent observations), clamped; NaN where no block saw the cell. The
+// result covers the blocks' common bounding box. All rasters must have the same cell size.
+SiteRaster Mosaic(std::span<const SiteRaster* const> blocks, const MosaicOptions& options);
+
+}  // namespace survey

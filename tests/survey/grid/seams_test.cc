@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/grid/seams.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/rendered_map.h"
+
+namespace survey {
+namespace {
+
+using Eigen::Vector2d;
+using test_support::Box;
+using test_support::Moved;
+using test_support::Polygon;
+using test_support::RenderMap;
+using test_support::RenderOptions;
+
+const RenderOptions kRender{
+    .range_noise_m = 0.01, .range_max_m = 15.0, .p_hit = 0.7, .p_miss = 0.4, .scans_per_stand = 6};
+
+// A hall with pillars, 20 m x 12 m.
+std::vector<Polygon> Hall() {
+  std::vector<Polygon> solids = {Box(0, 0, 20, 0.3), Box(0, 11.7, 20, 12), Box(0, 0, 0.3, 12), Box(19.7, 0, 20, 12)};
+  for (const double x : {4.1, 9.7, 15.3}) {
+    for (const double y : {4.3, 8.2}) solids.push_back(Box(x, y, x + 0.5, y + 0.5));
+  }
+  return solids;
+}
+
+std::vector<Polygon> MovedBy(std::vector<Polygon> solids, const Vector2d& by) {
+  for (Polygon& solid : solids) solid = Moved(solid, by);
+  return solids;
+}
+
+const std::vector<Vector2d> kWest = {{3, 2.5}, {7, 6}, {11, 3}};
+const std::vector<Vector2d> kEast = {{8, 9.5}, {12, 6.2}, {17, 9}};
+
+TEST(CompareMaps, FindsTheOffsetOfTheSecondMapBelowTheCell) {
+  const SiteRaster first = RenderMap(Hall(), kWest, kRender);
+  for (const Vector2d& by : {Vector2d(0, 0), Vector2d(0.032, -0.061), Vector2d(-0.15, 0.11), Vector2d(0.25, 0.25)}) {
+    std::vector<Vector2d> stands;
+    for (const Vector2d& stand : kEast) stands.push_back(stand + by);
+    const Seam seam = CompareMaps(first, RenderMap(MovedBy(Hall(), by), stands, kRender), {});
+    ASSERT_TRUE(seam.offset) << by.transpose();
+    EXPECT_NEAR(seam.offset->x(), by.x(), 0.012);
+    EXPECT_NEAR(seam.offset->y(), by.y(), 0.012);
+    ASSERT_TRUE(seam.rms_m);
+    EXPECT_NEAR(*seam.rms_m, by.norm(), 0.02);
+    EXPECT_GE(seam.patches.size(), 3U);
+    EXPECT_GT(seam.overlap_area_m2, 100.0);
+  }
+}
+
+TEST(CompareMaps, AStraightWallTellsOnlyTheOffsetAcross) {
+  const std::vector<Polygon> wall = {Box(-100, 10, 100, 10.3)};
+  const SiteRaster first = RenderMap(wall, {{0, 5}, {4, 6}}, kRender);
+  const SiteRaster second = RenderMap(MovedBy(wall, {0, 0.08}), {{2, 5}, {-3, 6.4}}, kRender);
+  const Seam seam = CompareMaps(first, second, {});
+  ASSERT_FALSE(seam.patches.empty());
+  for (const SeamPatch& patch : seam.patches) {
+    EXPECT_EQ(patch.directions, 1);
+    EXPECT_NEAR(patch.offset.x(), 0.0, 0.01);
+    EXPECT_NEAR(patch.offset.y(), 0.08, 0.025);  // half a cell: the wall lies along the cells
+  }
+  EXPECT_FALSE(seam.offset);
+  EXPECT_FALSE(seam.rms_m);
+}
+
+TEST(CompareMaps, TheTwoSidesOfAWallAreNotOneDisplacedFace) {
+  // A wall 0.2 m thick divides the hall but for a gap in the east; each map sees its own side of it.
+  std::vector<Polygon> solids = {Box(0, 0, 20, 0.3), Box(0, 11.7, 20, 12), Box(0, 0, 0.3, 12), Box(19.7, 0, 20, 12)};
+  solids.push_back(Box(0.3, 5.9, 15, 6.1));
+  const SiteRaster south = RenderMap(solids, {{6, 3}, {18, 4}}, kRender);
+  const SiteRaster north = RenderMap(solids, {{6, 9}, {18, 8}}, kRender);
+  const Seam seam = CompareMaps(south, north, {});
+  ASSERT_TRUE(seam.offset);
+  EXPECT_NEAR(seam.offset->x(), 0, 0.015);
+  EXPECT_NEAR(seam.offset->y(), 0, 0.015);
+  // Without the gap nothing is common.
+  const std::vector<Polygon> wall = {Box(-100, 0, 100, 0.2)};
+  EXPECT_TRUE(CompareMaps(RenderMap(wall, {{0, -4}}, kRender), RenderMap(wall, {{0, 4}}, kRender), {}).patches.empty());
+}
+
+TEST(CompareMaps, MovedThingsAreContradictions) {
+  std::vector<Polygon> with_car = Hall();
+  with_car.push_back(Box(6, 2, 8, 3.5));
+  const Seam same = CompareMaps(RenderMap(Hall(), kWest, kRender), RenderMap(Hall(), kEast, kRender), {});
+  const Seam moved = CompareMaps(RenderMap(with_car, {{9.5, 6}, {5, 6}}, kRender),
+                                 RenderMap(Hall(), {{9, 2}, {7, 5.5}, {4, 1.5}}, kRender), {});
+  EXPECT_LT(same.first_contradicted_share, 0.01);
+  EXPECT_LT(same.second_contradicted_share, 0.01);
+  EXPECT_GT(moved.first_contradicted_share, 0.05);
+  EXPECT_GT(moved.disagreeing_share, same.disagreeing_share);
+  EXPECT_LT(moved.second_contradicted_share, 0.02);
+}
+
+TEST(CompareMaps, MapsApartHaveNoSeam) {
+  SiteRaster a{.cell_size_m = 0.05, .min_column = 0, .min_row = 0, .width = 2, .height = 2, .log_odds = {1, 1, 1, 1}};
+  SiteRaster b = a;
+  b.min_column = 2;
+  const Seam seam = CompareMaps(a, b, {});
+  EXPECT_EQ(seam.overlap_area_m2, 0);
+  EXPECT_TRUE(seam.patches.empty());
+  EXPECT_FALSE(seam.offset);
+}
+
+TEST(CompareMaps, DoesNotDependOnTheArraysOnlyOnTheSiteCells) {
+  const SiteRaster first = RenderMap(Hall(), kWest, kRender);
+  const SiteRaster second = RenderMap(Hall(), kEast, kRender);
+  SiteRaster padded = second;
+  padded.min_column -= 13;
+  padded.width += 20;
+  padded.log_odds.assign(static_cast<std::size_t>(padded.width) * static_cast<std::size_t>(padded.height),
+                         kUnknownLogOdds);
+  for (int r = 0; r < second.height; ++r) {
+    for (int c = 0; c < second.width; ++c) padded.At(c + 13, r) = second.At(c, r);
+  }
+  const Seam a = CompareMaps(first, second, {});
+  const Seam b = CompareMaps(first, padded, {});
+  EXPECT_EQ(a.overlap_area_m2, b.overlap_area_m2);
+  ASSERT_EQ(a.patches.size(), b.patches.size());
+  for (std::size_t i = 0; i < a.patches.size(); ++i) EXPECT_EQ(a.patches[i].offset, b.patches[i].offset);
+}
+
+}  // namespace
+}  // namespace survey

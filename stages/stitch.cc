@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// plumbline-stitch: the site map out of the block maps, and how well they agree. Only blocks that are tied to control
+// are put together; others are delivered apart, in their local frames and labelled so. A single block that is not tied
+// is the site in its local frame.
+#include <algorithm>
+#include <cstdio>
+
+#include "formats/raster_file.h"
+#include "formats/seams_file.h"
+#include "pipeline/descent.h"
+#include "pipeline/stage.h"
+#include "survey/grid/mosaic.h"
+#include "survey/grid/seams.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BlockMap {
+  std::string name;
+  fs::path file;
+  survey::SiteRaster raster;
+  formats::RasterLabel label;
+};
+
+// Each block's map must descend from the solution that is given for it.
+void RequireSolution(const BlockMap& block, const std::vector<pipeline::NamedFile>& solutions) {
+  const auto solution = std::find_if(solutions.begin(), solutions.end(),
+                                     [&](const pipeline::NamedFile& named) { return named.name == block.name; });
+  if (solution == solutions.end())
+    throw formats::UsageError("--solution " + block.name + "=FILE is missing beside --map " + block.name + "=FILE");
+  pipeline::RequireDescent(block.file, solution->file);
+}
+
+void RequireSameRaster(const BlockMap& a, const BlockMap& b) {
+  const auto differ = [&](const std::string& what, const std::string& of_a, const std::string& of_b) {
+    throw formats::DataError(a.file.string() + " and " + b.file.string() + " have different " + what + ": " + of_a +
+                             " and " + of_b);
+  };
+  if (a.raster.cell_size_m != b.raster.cell_size_m)
+    differ("cell sizes", std::to_string(a.raster.cell_size_m) + " m", std::to_string(b.raster.cell_size_m) + " m");
+  if (a.label.tied && b.label.tied && a.label.frame.crs != b.label.frame.crs)
+    differ("coordinate systems", a.label.frame.crs.empty() ? "none" : a.label.frame.crs,
+           b.label.frame.crs.empty() ? "none" : b.label.frame.crs);
+}
+
+std::vector<BlockMap> ReadMaps(const std::vector<pipeline::NamedFile>& maps,
+                               const std::vector<pipeline::NamedFile>& solutions) {
+  std::vector<BlockMap> blocks;
+  for (const pipeline::NamedFile& map : maps) {
+    BlockMap block{.name = map.name, .file = map.file};
+    block.raster = formats::ReadRaster(map.file, &block.label);
+    RequireSolution(block, solutions);
+    for (const BlockMap& other : blocks) {
+      if (other.name == block.name) throw formats::UsageError("--map " + block.name + " is given twice");
+    }
+    if (!blocks.empty()) RequireSameRaster(blocks.front(), block);
+    blocks.push_back(std::move(block));
+  }
+  return blocks;
+}
+
+void WriteMap(const fs::path& tif, const survey::SiteRaster& raster, const formats::RasterLabel& label,
+              const formats::Provenance& provenance) {
+  formats::WriteCogMap(tif, raster, label, provenance);
+  formats::WritePngMap(fs::path(tif).replace_extension(".png"), raster, label);
+}
+
+void RemoveMap(const fs::path& tif) {
+  for (const char* extension : {".tif", ".png", ".pgw", ".png.aux.xml"}) {
+    fs::remove(fs::path(tif).replace_extension(extension));
+  }
+}
+
+// Maps of blocks that are no longer delivered apart must not stay behind.
+void RemoveOldLocalMaps(const fs::path& output, const formats::SeamsReport& report) {
+  std::vector<fs::path> old;
+  if (fs::is_directory(output / "local")) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(output / "local")) {
+      if (entry.path().extension() == ".tif") old.push_back(entry.path());
+    }
+  }
+  for (const fs::path& tif : old) {
+    const bool delivered = std::any_of(report.blocks.begin(), report.blocks.end(),
+                                       [&](const formats::StitchedBlock& block) { return output / block.map == tif; });
+    if (!delivered) RemoveMap(tif);
+  }
+}
+
+std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& blocks,
+                                           const survey::SeamOptions& options, pipeline::StageRun& run) {
+  std::vector<formats::BlockSeam> seams;
+  pipeline::Progress progress = run.Track("pairs", static_cast<std::int64_t>(blocks.size() * (blocks.size() - 1) / 2));
+  std::int64_t done = 0;
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    for (std::size_t j = i + 1; j < blocks.size(); ++j) {
+      survey::Seam seam = survey::CompareMaps(blocks[i]->raster, blocks[j]->raster, options);
+      if (seam.overlap_area_m2 > 0) seams.push_back({blocks[i]->name, blocks[j]->name, std::move(seam)});
+      progress.Advance(++done);
+    }
+  }
+  return seams;
+}
+
+void Summarize(const std::vector<formats::BlockSeam>& seams, pipeline::StageRun& run) {
+  for (const formats::BlockSeam& one : seams) {
+    char text[160];
+    if (one.seam.rms_m) {
+      std::snprintf(text, sizeof text, ": %.0f m2 of overlap, %zu windows, rms offset %.3f m, contradicted %.1f %%",
+                    one.seam.overlap_area_m2, one.seam.patches.size(), *one.seam.rms_m,
+                    100 * std::max(one.seam.first_contradicted_share, one.seam.second_contradicted_share));
+    } else {
+      std::snprintf(text, sizeof text, ": %.0f m2 of overlap, too little structure for an offset",
+                    one.seam.overlap_area_m2);
+    }
+    run.Message(one.first + " - " + one.second + text);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  pipeline::Stage stage("stitch", "Put the maps of the tied blocks together and compare them where they overlap.",
+                        "plumbline stitch --map B1=work/B1/map.tif --solution B1=work/B1/solution.sqlite --output out");
+  std::vector<pipeline::NamedFile> maps;
+  std::vector<pipeline::NamedFile> solutions;
+  fs::path output;
+  survey::SeamOptions seam_options;
+  stage.NamedInputs("map", &maps, "map of each block", true);
+  stage.NamedInputs("solution", &solutions, "solution of each block", true);
+  stage.Output("output", &output, "folder for site.tif, site.png, ros/, local/ and seams.json");
+  stage.Option("seam-window-m", &seam_options.window_m, "side of the windows that give one offset each (m)",
+               {.min = 1.0, .max = 100.0});
+  stage.Option("seam-search-m", &seam_options.search_m, "largest offset between two maps that is looked for (m)",
+               {.min = 0.1, .max = 5.0});
+  stage.Option("wall-tolerance-m", &seam_options.wall_tolerance_m,
+               "a wall within this of a wall in the other map is not contradicted (m)", {.min = 0.0, .max = 2.0});
+  return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
+    const std::vector<BlockMap> blocks = ReadMaps(maps, solutions);
+    std::vector<const BlockMap*> site_blocks;
+    for (const BlockMap& block : blocks) {
+      if (block.label.tied || blocks.size() == 1) site_blocks.push_back(&block);
+    }
+    formats::SeamsReport report{.cell_size_m = blocks.front().raster.cell_size_m};
+    std::vector<const survey::SiteRaster*> rasters;
+    for (const BlockMap* block : site_blocks) rasters.push_back(&block->raster);
+    for (const BlockMap& block : blocks) {
+      const bool in_site = std::find(site_blocks.begin(), site_blocks.end(), &block) != site_blocks.end();
+      report.blocks.push_back({block.name, block.label.tied, in_site ? "site.tif" : "local/" + block.name + ".tif"});
+      if (!block.label.tied)
+        run.Warn(block.name + " is not tied to control: " + report.blocks.back().map + " is in its local frame");
+      if (!in_site) WriteMap(output / report.blocks.back().map, block.raster, block.label, run.Provenance());
+    }
+    RemoveOldLocalMaps(output, report);
+    const fs::path site = output / "site.tif";
+    if (site_blocks.empty()) {
+      run.Warn("no block is tied to control: the blocks cannot be put together and there is no site map");
+      RemoveMap(site);
+      fs::remove_all(output / "ros");
+    } else {
+      report.label = site_blocks.front()->label;
+      const survey::SiteRaster mosaic = survey::Mosaic(rasters, {});
+      WriteMap(site, mosaic, report.label, run.Provenance());
+      formats::WriteRosMap(output / "ros", mosaic, report.label);
+      report.seams = CompareAll(site_blocks, seam_options, run);
+    }
+    formats::WriteSeams(output / "seams.json", report, run.Provenance());
+    Summarize(report.seams, run);
+  });
+}

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/edits/map_edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace survey {
+namespace {
+
+using Eigen::Vector2d;
+using Ring = std::vector<Vector2d>;
+
+double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double DistanceToSegment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d along = b - a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).norm();
+}
+
+bool IsOnLine(const MapEdit& edit, double half_width, const Vector2d& p) {
+  for (const Ring& line : edit.parts) {
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+      if (DistanceToSegment(p, line[i], line[i + 1]) <= half_width) return true;
+    }
+  }
+  return false;
+}
+
+// Even-odd rule over all rings, so that holes count.
+bool IsInside(const MapEdit& edit, const Vector2d& p) {
+  bool inside = false;
+  for (const Ring& ring : edit.parts) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vector2d& a = ring[i];
+      const Vector2d& b = ring[(i + 1) % ring.size()];
+      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+      if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
+    }
+  }
+  return inside;
+}
+
+struct Bounds {
+  Vector2d low;
+  Vector2d high;
+};
+
+Bounds BoundsOf(const MapEdit& edit) {
+  Bounds bounds{edit.parts.front().front(), edit.parts.front().front()};
+  for (const Ring& part : edit.parts) {
+    for (const Vector2d& p : part) {
+      bounds.low = bounds.low.cwiseMin(p);
+      bounds.high = bounds.high.cwiseMax(p);
+    }
+  }
+  return bounds;
+}
+
+float LogOddsOf(CellState state) {
+  if (state == CellState::kUnknown) return kUnknownLogOdds;
+  return state == CellState::kOccupied ? kEditedLogOdds : -kEditedLogOdds;
+}
+
+bool IsSame(float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+struct Edge {
+  Vector2d begin;
+  Vector2d end;
+  std::size_t ring;
+  std::size_t index;
+};
+
+std::vector<Edge> EdgesOf(const MapEdit& edit) {
+  std::vector<Edge> edges;
+  for (std::size_t r = 0; r < edit.parts.size(); ++r) {
+    const Ring& ring = edit.parts[r];
+    for (std::size_t i = 0; i < ring.size(); ++i) edges.push_back({ring[i], ring[(i + 1) % ring.size()], r, i});
+  }
+  return edges;
+}
+
+bool Contains(const Edge& edge, const Vector2d& p) { return DistanceToSegment(p, edge.begin, edge.end) < 1e-9; }
+
+std::optional<Vector2d> CrossingOf(const Edge& a, const Edge& b, bool neighbours) {
+  if (!neighbours) {
+    for (const Vector2d& p : {b.begin, b.end}) {
+      if (Contains(a, p)) return p;
+    }
+    for (const Vector2d& p : {a.begin, a.end}) {
+      if (Contains(b, p)) return p;
+    }
+  }
+  const Vector2d u = a.end - a.begin;
+  const Vector2d v = b.end - b.begin;
+  const double determinant = Cross(u, v);
+  if (neighbours || determinant == 0) return std::nullopt;
+  const double s = Cross(b.begin - a.begin, v) / determinant;
+  const double t = Cross(b.begin - a.begin, u) / determinant;
+  if (s < 0 || s > 1 || t < 0 || t > 1) return std::nullopt;
+  return Vector2d(a.begin + s * u);
+}
+
+}  // namespace
+
+std::int64_t ApplyEdit(const MapEdit& edit, SiteRaster* raster) {
+  const double half_width = edit.width_m.value_or(std::numbers::sqrt2 * raster->cell_size_m) / 2;
+  const Bounds bounds = BoundsOf(edit);
+  const Vector2d margin = Vector2d::Constant(edit.is_area ? 0.0 : half_width);
+  const auto first = raster->CellOf(bounds.low - margin);
+  const auto last = raster->CellOf(bounds.high + margin);
+  const int end_column = static_cast<int>(std::min<std::int64_t>(last.x() + 1, raster->width));
+  const int end_row = static_cast<int>(std::min<std::int64_t>(last.y() + 1, raster->height));
+  const float value = LogOddsOf(edit.state);
+  std::int64_t changed = 0;
+  for (int row = static_cast<int>(std::max<std::int64_t>(first.y(), 0)); row < end_row; ++row) {
+    for (int column = static_cast<int>(std::max<std::int64_t>(first.x(), 0)); column < end_column; ++column) {
+      const Vector2d centre = raster->CentreOf(column, row);
+      if (!(edit.is_area ? IsInside(edit, centre) : IsOnLine(edit, half_width, centre))) continue;
+      float& cell = raster->At(column, row);
+      if (IsSame(cell, value)) continue;
+      cell = value;
+      ++changed;
+    }
+  }
+  return changed;
+}
+
+std::optional<Vector2d> FindSelfCrossing(const MapEdit& edit) {
+  if (!edit.is_area) return std::nullopt;
+  const std::vector<Edge> edges = EdgesOf(edit);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    for (std::size_t j = i + 1; j < edges.size(); ++j) {
+      const std::size_t size = edit.parts[edges[i].ring].size();
+      const bool neighbours = edges[i].ring == edges[j].ring &&
+                              (edges[j].index - edges[i].index == 1 || edges[j].index - edges[i].index == size - 1);
+      if (const auto crossing = CrossingOf(edges[i], edges[j], neighbours)) return crossing;
+    }
+  }
+  return std::nullopt;
+}
+
+double DistanceToRaster(const MapEdit& edit, const SiteRaster& raster) {
+  const Bounds bounds = BoundsOf(edit);
+  const double s = raster.cell_size_m;
+  const Vector2d low(static_cast<double>(raster.min_column) * s, static_cast<double>(raster.min_row) * s);
+  const Vector2d high = low + s * Vector2d(raster.width, raster.height);
+  return (low - bounds.high).cwiseMax(bounds.low - high).cwiseMax(0.0).norm();
+}
+
+}  // namespace survey

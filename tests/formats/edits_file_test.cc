@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/edits_file.h"
+
+#include <gtest/gtest.h>
+
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+#include "tests/support/scratch_folder.h"
+
+namespace formats {
+namespace {
+
+using test_support::ScratchFolder;
+
+std::string Collection(const std::string& features, const std::string& more = "") {
+  return R"({"type": "FeatureCollection", )" + more + R"("features": [)" + features + "]}";
+}
+
+std::string Feature(const std::string& properties, const std::string& geometry) {
+  return R"({"type": "Feature", "properties": )" + properties + R"(, "geometry": )" + geometry + "}";
+}
+
+const char* const kLine = R"({"type": "LineString", "coordinates": [[500000.1, 5600000.2], [500003, 5600004, 9]]})";
+const char* const kSquare = R"({"type": "Polygon", "coordinates": [[[0,0],[4,0],[4,4],[0,4],[0,0]]]})";
+
+std::vector<survey::MapEdit> Read(const std::string& text) {
+  const ScratchFolder scratch;
+  WriteFileAtomically(scratch / "cars.geojson", text);
+  return ReadEdits(scratch / "cars.geojson", "EPSG:25832");
+}
+
+TEST(ReadEdits, ReadsWhatQgisAndPeopleWrite) {
+  const auto edits = Read(Collection(
+      Feature(R"({"state": "occupied", "width_m": 0.2, "who": "AB", "why": "glass"})", kLine) + "," +
+          Feature(R"({"state": "unknown", "width_m": null, "who": null})", kSquare),
+      R"("name": "cars", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}}, )"));
+  ASSERT_EQ(edits.size(), 2U);
+  EXPECT_EQ(edits[0].state, survey::CellState::kOccupied);
+  EXPECT_FALSE(edits[0].is_area);
+  EXPECT_EQ(edits[0].width_m, 0.2);
+  EXPECT_EQ(edits[0].who, "AB");
+  EXPECT_EQ(edits[0].why, "glass");
+  ASSERT_EQ(edits[0].parts.front().size(), 2U);
+  EXPECT_EQ(edits[0].parts.front()[1], Eigen::Vector2d(500003, 5600004));
+  EXPECT_TRUE(edits[1].is_area);
+  EXPECT_EQ(edits[1].parts.front().size(), 4U);
+  EXPECT_FALSE(edits[1].width_m);
+}
+
+TEST(ReadEdits, EveryMistakeIsNamedWithFileAndFeature) {
+  const std::string good = Feature(R"({"state": "free"})", kLine);
+  const std::string crs84 = R"("crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}, )";
+  const struct {
+    std::string text;
+    std::string expected;
+  } cases[] = {
+      {"{", "is not JSON"},
+      {"[]", "FeatureCollection"},
+      {R"({"type": "Feature"})", "FeatureCollection"},
+      {Collection(good, crs84), "CRS84"},
+      {Collection(good, R"("crs": 7, )"), "coordinate system"},
+      {Collection(good + ",5"), "feature 2: expected a GeoJSON Feature"},
+      {Collection(good + "," + Feature("{}", kLine)), "feature 2: property state is missing"},
+      {Collection(Feature("null", kLine)), "feature 1: properties"},
+      {Collection(Feature(R"({"state": "wall"})", kLine)), "state = \"wall\": must be occupied, free or unknown"},
+      {Collection(Feature(R"({"state": "free", "colour": 1})", kLine)), "unknown property \"colour\""},
+      {Collection(Feature(R"({"state": "free", "width_m": -1})", kLine)), "width_m = -1: must be positive"},
+      {Collection(Feature(R"({"state": "free", "width_m": "a"})", kLine)), "width_m = \"a\": must be positive"},
+      {Collection(Feature(R"({"state": "free", "width_m": 1})", kSquare)), "width_m is for lines"},
+      {Collection(Feature(R"({"state": "free"})", "null")), "must be LineString or Polygon"},
+      {Collection(Feature(R"({"state": "free"})", R"({"type": "Point", "coordinates": [1, 2]})")), "geometry Point"},
+      {Collection(Feature(R"({"state": "free"})", R"({"type": "LineString", "coordinates": [[1, 2]]})")), "two points"},
+      {Collection(Feature(R"({"state": "free"})", R"({"type": "LineString", "coordinates": [[1, "2"], [1, 3]]})")),
+       "coordinate [1,\"2\"]"},
+      {Collection(Feature(R"({"state": "free"})", R"({"type": "Polygon", "coordinates": [[[0,0],[1,0],[1,1]]]})")),
+       "end where it begins"},
+      {Collection(
+           Feature(R"({"state": "free"})", R"({"type": "Polygon", "coordinates": [[[0,0],[4,4],[4,0],[0,4],[0,0]]]})")),
+       "feature 1: the polygon crosses or touches itself at 2.000 2.000"},
+  };
+  for (const auto& one : cases) {
+    try {
+      Read(one.text);
+      ADD_FAILURE() << one.text << " was accepted";
+    } catch (const DataError& error) {
+      EXPECT_NE(std::string(error.what()).find("cars.geojson"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find(one.expected), std::string::npos) << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace formats

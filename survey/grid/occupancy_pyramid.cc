@@ -43,7 +43,7 @@ float OccupancyPyramid::LogOddsOf(Evidence evidence) const {
 }
 
 void OccupancyPyramid::Insert(const Eigen::Vector2f& origin, std::span<const Eigen::Vector2f> hits,
-                              std::span<const Eigen::Vector2f> free_ends) {
+                              std::span<const Eigen::Vector2f> free_ends, std::span<const Eigen::Vector2f> surface) {
   Eigen::Vector2f low = origin;
   Eigen::Vector2f high = origin;
   for (const std::span<const Eigen::Vector2f> ends : {hits, free_ends}) {
@@ -57,13 +57,18 @@ void OccupancyPyramid::Insert(const Eigen::Vector2f& origin, std::span<const Eig
     std::fill(touched_.begin(), touched_.end(), std::uint16_t{0});
     scan_number_ = 1;
   }
+  DrawHits(hits);
+  DrawHits(surface);
+  for (const Eigen::Vector2f& hit : hits) TraceMisses(origin, hit);
+  for (const Eigen::Vector2f& end : free_ends) TraceMisses(origin, end);
+}
+
+void OccupancyPyramid::DrawHits(std::span<const Eigen::Vector2f> hits) {
   const float cells_per_m = levels_.front().cells_per_m;
   for (const Eigen::Vector2f& hit : hits) {
     Update(static_cast<int>(std::floor(hit.x() * cells_per_m)), static_cast<int>(std::floor(hit.y() * cells_per_m)),
            true);
   }
-  for (const Eigen::Vector2f& hit : hits) TraceMisses(origin, hit);
-  for (const Eigen::Vector2f& end : free_ends) TraceMisses(origin, end);
 }
 
 void OccupancyPyramid::TraceMisses(const Eigen::Vector2f& origin, const Eigen::Vector2f& end) {

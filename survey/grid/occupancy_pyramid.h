@@ -41,8 +41,9 @@ class OccupancyPyramid {
 
   // Enters one scan, [CN] section 2.1: every cell that holds an end point in `hits` becomes more occupied, every cell
   // on the line from `origin` to an end point in `hits` or `free_ends` less, each at most once; hits take precedence.
+  // `surface` holds further occupied points between the hits, without rays of their own (see SurfacePoints).
   void Insert(const Eigen::Vector2f& origin, std::span<const Eigen::Vector2f> hits,
-              std::span<const Eigen::Vector2f> free_ends);
+              std::span<const Eigen::Vector2f> free_ends, std::span<const Eigen::Vector2f> surface = {});
 
   int num_levels() const { return static_cast<int>(levels_.size()); }
   double cell_size_m(int level = 0) const { return options_.cell_size_m * (1 << level); }
@@ -120,6 +121,7 @@ class OccupancyPyramid {
   void Update(int column, int row, bool hit);
   void RaiseParents(int column, int row, Evidence evidence);
   void RecomputeParents(int column, int row, Evidence old_evidence);
+  void DrawHits(std::span<const Eigen::Vector2f> hits);
   void TraceMisses(const Eigen::Vector2f& origin, const Eigen::Vector2f& end);
 
   OccupancyOptions options_;

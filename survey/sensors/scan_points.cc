@@ -61,4 +61,27 @@ void ThinAlongScan(std::span<const Eigen::Vector2f> points, double spacing_m, st
   }
 }
 
+void SurfacePoints(std::span<const Eigen::Vector2f> hits, double spacing_m, double max_gap_m,
+                   std::vector<Eigen::Vector2f>* surface) {
+  surface->clear();
+  const auto spacing = static_cast<float>(spacing_m);
+  const auto max_gap = static_cast<float>(max_gap_m);
+  constexpr float kMaxSine = 0.35F;
+  const auto in_line = [](const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+    const float cross = a.x() * b.y() - a.y() * b.x();
+    return a.dot(b) > 0.0F && cross * cross < kMaxSine * kMaxSine * a.squaredNorm() * b.squaredNorm();
+  };
+  for (std::size_t i = 1; i < hits.size(); ++i) {
+    const Eigen::Vector2f step = hits[i] - hits[i - 1];
+    const float gap = step.norm();
+    if (gap <= spacing || gap > max_gap) continue;
+    const bool straight = (i >= 2 && in_line(hits[i - 1] - hits[i - 2], step)) ||
+                          (i + 1 < hits.size() && in_line(step, hits[i + 1] - hits[i]));
+    if (!straight) continue;
+    const int pieces = static_cast<int>(std::ceil(gap / spacing));
+    for (int k = 1; k < pieces; ++k)
+      surface->push_back(hits[i - 1] + step * (static_cast<float>(k) / static_cast<float>(pieces)));
+  }
+}
+
 }  // namespace survey

@@ -52,4 +52,10 @@ class ScanProjector {
 void ThinAlongScan(std::span<const Eigen::Vector2f> points, double spacing_m, std::size_t max_points,
                    std::vector<Eigen::Vector2f>* thinned);
 
+// Points every spacing_m on the surfaces between neighbouring hits: where two hits in a row are at most max_gap_m apart
+// and lie on one line with the hit before or after. A sparse scan then draws walls instead of dots, to which the same
+// beams of the next scan would stick.
+void SurfacePoints(std::span<const Eigen::Vector2f> hits, double spacing_m, double max_gap_m,
+                   std::vector<Eigen::Vector2f>* surface);
+
 }  // namespace survey

@@ -16,15 +16,17 @@ OccupancyPyramid DrawSubmap(const Session& session, const Track& track, const Su
   OccupancyPyramid grid(options);
   ScanPoints points;
   std::vector<Eigen::Vector2f> hits;
-  std::vector<Eigen::Vector2f> free_ends;
+  std::vector<Eigen::Vector2f> surface;
+  std::vector<Eigen::Vector2f> surface_in_scan;
   const auto pose_of = [&](std::size_t i) { return track.scans[i].local_from_scan; };
   for (const ScanId node : submap.nodes) {
     const auto index = static_cast<std::size_t>(node.value);
     projector.Project(session.scans[index], TwistOfScan(session.scans, pose_of, index), &points);
     const Pose2 submap_from_scan = Between(submap.local_from_submap, pose_of(index));
     TransformPoints(submap_from_scan, points.hits, &hits);
-    TransformPoints(submap_from_scan, points.free_ends, &free_ends);
-    grid.Insert(submap_from_scan.Translation().cast<float>(), hits, free_ends);
+    SurfacePoints(points.hits, options.cell_size_m, kMaxSurfaceGap_m, &surface_in_scan);
+    TransformPoints(submap_from_scan, surface_in_scan, &surface);
+    grid.Insert(submap_from_scan.Translation().cast<float>(), hits, {}, surface);
   }
   return grid;
 }

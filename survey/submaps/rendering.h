@@ -26,6 +26,9 @@ Twist2 TwistOfScan(const std::vector<Scan>& scans, const PoseOf& pose_of, std::s
   return TwistBetween(pose_of(first), pose_of(first + 1), dt);
 }
 
+// Hits farther apart are not joined to a surface.
+inline constexpr double kMaxSurfaceGap_m = 0.4;
+
 // The submap's grid in its own frame, drawn from its nodes at their poses of the track.
 OccupancyPyramid DrawSubmap(const Session& session, const Track& track, const Submap& submap,
                             const ScanProjector& projector, const OccupancyOptions& options);

@@ -150,6 +150,7 @@ class Tracker {
   void Insert(const TrackedScan& node) {
     if (active_.empty() || nodes_since_start_ >= options_.submap_nodes / 2) StartSubmap(node.local_from_scan);
     ++nodes_since_start_;
+    SurfacePoints(points_.hits, options_.grid.cell_size_m, kMaxSurfaceGap_m, &surface_);
     for (ActiveSubmap& submap : active_) {
       const Pose2 submap_from_scan = Between(submap.local_from_submap, node.local_from_scan);
       Eigen::Matrix3d covariance = node.covariance;
@@ -158,7 +159,8 @@ class Tracker {
       track_.constraints.push_back({submap.id, node.scan, submap_from_scan, covariance});
       track_.submaps[static_cast<std::size_t>(submap.id.value)].nodes.push_back(node.scan);
       TransformPoints(submap_from_scan, points_.hits, &transformed_);
-      submap.grid.Insert(submap_from_scan.Translation().cast<float>(), transformed_, {});
+      TransformPoints(submap_from_scan, surface_, &transformed_surface_);
+      submap.grid.Insert(submap_from_scan.Translation().cast<float>(), transformed_, {}, transformed_surface_);
     }
     last_node_pose_ = node.local_from_scan;
   }
@@ -203,6 +205,8 @@ class Tracker {
   ScanPoints points_;                         // of the scan at hand
   std::vector<Eigen::Vector2f> transformed_;  // its hits in a submap's frame
   std::vector<Eigen::Vector2f> thinned_;
+  std::vector<Eigen::Vector2f> surface_;
+  std::vector<Eigen::Vector2f> transformed_surface_;
 };
 
 // A stretch of scans without a match is a question for a person; without odometry it may hide a break of the map.

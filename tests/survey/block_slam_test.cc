@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The front end, the loop search and the block adjustment together on small simulated worlds with known truth.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "survey/geometry/rigid_fit.h"
+#include "survey/graph/block_adjustment.h"
+#include "survey/graph/loop_search.h"
+#include "survey/submaps/block_raster.h"
+#include "survey/submaps/tracker.h"
+#include "tests/support/room.h"
+
+namespace survey {
+namespace {
+
+// Two laps of a ring of four corridors, 3 m wide, with niches so that no corridor is featureless.
+std::vector<test_support::Wall> Ring() {
+  std::vector<test_support::Wall> walls = test_support::Outline({{-12, -9}, {12, -9}, {12, 9}, {-12, 9}});
+  for (const auto& wall : test_support::Outline({{-9, -6},
+                                                 {-2, -6},
+                                                 {-2, -5},
+                                                 {-1, -5},
+                                                 {-1, -6},
+                                                 {9, -6},
+                                                 {9, 6},
+                                                 {3, 6},
+                                                 {3, 5.2},
+                                                 {1.5, 5.2},
+                                                 {1.5, 6},
+                                                 {-9, 6},
+                                                 {-9, 2},
+                                                 {-8.4, 2},
+                                                 {-8.4, 1},
+                                                 {-9, 1}}))
+    walls.push_back(wall);
+  for (const auto& wall : test_support::Outline({{5, 8.6}, {5.5, 8.6}, {5.5, 9}, {5, 9}})) walls.push_back(wall);
+  for (const auto& wall : test_support::Outline({{-5, -9}, {-4.2, -9}, {-4.2, -8.5}, {-5, -8.5}}))
+    walls.push_back(wall);
+  for (const auto& wall : test_support::Outline({{11.5, -2}, {12, -2}, {12, -1}, {11.5, -1}})) walls.push_back(wall);
+  return walls;
+}
+
+std::vector<Pose2> LapsOfTheRing(int laps) {
+  const std::vector<Eigen::Vector2d> corners = {{-10.5, -7.5}, {10.5, -7.5}, {10.5, 7.5}, {-10.5, 7.5}};
+  std::vector<Pose2> poses;
+  for (int k = 0; k < 4 * laps; ++k) {
+    const Eigen::Vector2d from = corners[static_cast<std::size_t>(k % 4)];
+    const Eigen::Vector2d to = corners[static_cast<std::size_t>((k + 1) % 4)];
+    const double heading = std::atan2(to.y() - from.y(), to.x() - from.x());
+    const int steps = static_cast<int>((to - from).norm() / 0.1);
+    for (int i = 0; i < steps; ++i) {
+      const Eigen::Vector2d p = from + (to - from) * (static_cast<double>(i) / steps);
+      poses.push_back({p.x(), p.y(), heading});
+    }
+    for (int i = 0; i < 15; ++i) poses.push_back({to.x(), to.y(), heading + i * 0.1047});
+  }
+  return poses;
+}
+
+double RmsAfterRigidFit(const std::vector<Pose2>& estimated, const std::vector<Pose2>& truth) {
+  std::vector<Eigen::Vector2d> a;
+  std::vector<Eigen::Vector2d> b;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    a.push_back(estimated[i].Translation());
+    b.push_back(truth[i].Translation());
+  }
+  return FitRigid(a, b)->rms_m;
+}
+
+struct RingWalk : public testing::Test {
+  static void SetUpTestSuite() {
+    truth = new std::vector<Pose2>(LapsOfTheRing(2));
+    session = new Session(test_support::SimulateSession(Ring(), *truth, 10.0, 0.01, 1.03, 0.01));
+    track = new Track(TrackBlock(*session, {}));
+  }
+  static void TearDownTestSuite() {
+    delete truth;
+    delete session;
+    delete track;
+  }
+  static std::vector<StampNs> Stamps() {
+    std::vector<StampNs> stamps;
+    for (const Scan& scan : session->scans) stamps.push_back(scan.stamp_ns);
+    return stamps;
+  }
+  static std::vector<Pose2> Poses(const Solution& solution) {
+    std::vector<Pose2> poses;
+    for (const SolvedScan& scan : solution.scans) poses.push_back(scan.site_from_scan);
+    return poses;
+  }
+  static std::vector<Pose2>* truth;
+  static Session* session;
+  static Track* track;
+};
+std::vector<Pose2>* RingWalk::truth = nullptr;
+Session* RingWalk::session = nullptr;
+Track* RingWalk::track = nullptr;
+
+TEST_F(RingWalk, TrackFollowsWhereOdometryDrifts) {
+  std::vector<Pose2> tracked;
+  for (const TrackedScan& scan : track->scans) tracked.push_back(scan.local_from_scan);
+  EXPECT_LT(RmsAfterRigidFit(tracked, *truth), 0.10);
+  std::vector<Pose2> odometry;
+  for (const OdometrySample& sample : session->odometry) odometry.push_back(sample.odom_from_body);
+  EXPECT_GT(RmsAfterRigidFit(odometry, *truth), 1.0);
+}
+
+TEST_F(RingWalk, TrackWorksWithoutOdometry) {
+  Session blind = *session;
+  blind.odometry.clear();
+  const Track lost = TrackBlock(blind, {});
+  std::vector<Pose2> tracked;
+  for (const TrackedScan& scan : lost.scans) tracked.push_back(scan.local_from_scan);
+  EXPECT_LT(RmsAfterRigidFit(tracked, *truth), 0.20);
+  EXPECT_EQ(lost.scans.back().prediction, Prediction::kConstantVelocity);
+}
+
+TEST_F(RingWalk, LoopsCloseTheSecondLapAndAllAreTrue) {
+  const Loops loops = FindLoops(*session, *track, {});
+  int accepted = 0;
+  for (const Loop& loop : loops.loops) {
+    if (!loop.accepted) continue;
+    ++accepted;
+    // The submap's first node is its origin (heading zero): its true pose follows from that node's true pose.
+    const Submap& submap = track->submaps[static_cast<std::size_t>(loop.constraint.submap.value)];
+    const auto first = static_cast<std::size_t>(submap.nodes.front().value);
+    const Pose2 submap_from_first = Between(submap.local_from_submap, track->scans[first].local_from_scan);
+    const Pose2 true_submap_from_scan =
+        submap_from_first * Between((*truth)[first], (*truth)[static_cast<std::size_t>(loop.constraint.scan.value)]);
+    EXPECT_LT((true_submap_from_scan.Translation() - loop.constraint.submap_from_scan.Translation()).norm(), 0.15);
+  }
+  EXPECT_GT(accepted, 20);
+  const BlockAdjustment adjusted = AdjustBlock(*track, loops, {}, Stamps(), {});
+  ASSERT_TRUE(adjusted.usable);
+  EXPECT_FALSE(adjusted.solution.tied);
+  EXPECT_LT(RmsAfterRigidFit(Poses(adjusted.solution), *truth), 0.03);
+}
+
+// Marks where the walk turns; control is the truth moved into a grid of large numbers.
+ControlNetwork MarkCorners(Session* session, const std::vector<Pose2>& truth, const Pose2& site_from_world,
+                           std::vector<std::size_t> scans) {
+  ControlNetwork control;
+  for (std::size_t k = 0; k < scans.size(); ++k) {
+    const StampNs stamp = session->scans[scans[k]].stamp_ns;
+    const std::string name = "C" + std::to_string(k + 1);
+    session->marks.push_back({name, stamp - 1000000, stamp + 1000000});
+    ControlPoint point{.name = name};
+    point.position_in_site = site_from_world * truth[scans[k]].Translation();
+    point.covariance = 4e-6 * Eigen::Matrix2d::Identity();
+    control.points.push_back(point);
+  }
+  return control;
+}
+
+TEST_F(RingWalk, ControlBringsTheBlockIntoTheSiteFrameAndCovariancesAreFinite) {
+  const Pose2 site_from_world{500123.0, 5600456.0, 2.1};
+  Session marked = *session;
+  const ControlNetwork control = MarkCorners(&marked, *truth, site_from_world, {0, 210, 375, 600, 900});
+  const Track tied_track = TrackBlock(marked, {});
+  const BlockAdjustment adjusted = AdjustBlock(tied_track, {}, control, Stamps(), {});
+  ASSERT_TRUE(adjusted.usable) << adjusted.message;
+  const Solution& solution = adjusted.solution;
+  EXPECT_TRUE(solution.tied);
+  EXPECT_EQ(solution.statistics.num_control_marks, 5);
+  double squares = 0.0;
+  for (std::size_t i = 0; i < truth->size(); ++i) {
+    squares +=
+        (solution.scans[i].site_from_scan.Translation() - site_from_world * (*truth)[i].Translation()).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(truth->size())),
+            0.06);  // no loops here: control alone holds the shape
+  for (const SolvedMark& mark : solution.marks) {
+    EXPECT_TRUE(mark.used);
+    EXPECT_LT(mark.residual.norm(), 0.01);
+    EXPECT_GT(mark.covariance(0, 0), 0.0);
+    EXPECT_LT(mark.covariance(0, 0), 1e-2);
+  }
+  ASSERT_FALSE(solution.covariances.empty());
+}
+
+TEST_F(RingWalk, CheckPointsAreSolvedButDoNotPull) {
+  Session marked = *session;
+  ControlNetwork control = MarkCorners(&marked, *truth, {}, {0, 210, 375, 600});
+  const Track tied_track = TrackBlock(marked, {});
+  const BlockAdjustment all = AdjustBlock(tied_track, {}, control, Stamps(), {});
+  control.points.pop_back();  // C4 is not in the extract: a check point
+  const BlockAdjustment three = AdjustBlock(tied_track, {}, control, Stamps(), {});
+  ASSERT_TRUE(all.usable && three.usable);
+  EXPECT_FALSE(three.solution.marks.back().used);
+  EXPECT_EQ(three.solution.statistics.num_control_marks, 3);
+  EXPECT_GT((three.solution.marks.back().position_in_site - all.solution.marks.back().position_in_site).norm(), 1e-6);
+}
+
+TEST_F(RingWalk, OneControlPointIsRefusedUnlessAllowed) {
+  Session marked = *session;
+  const ControlNetwork control = MarkCorners(&marked, *truth, {1000, 2000, 0}, {210});
+  const Track tied_track = TrackBlock(marked, {});
+  const BlockAdjustment refused = AdjustBlock(tied_track, {}, control, Stamps(), {});
+  EXPECT_FALSE(refused.usable);
+  EXPECT_NE(refused.message.find("one control point"), std::string::npos);
+  const BlockAdjustment allowed = AdjustBlock(tied_track, {}, control, Stamps(), {.allow_single_point = true});
+  ASSERT_TRUE(allowed.usable);
+  EXPECT_LT((allowed.solution.marks.front().position_in_site - control.points.front().position_in_site).norm(), 1e-6);
+}
+
+TEST_F(RingWalk, RenderedMapHasWallsWhereTheWallsAre) {
+  const Pose2 site_from_world{500123.0, 5600456.0, 0.0};
+  std::vector<Pose2> poses;
+  for (const Pose2& pose : *truth) poses.push_back(site_from_world * pose);
+  const SiteRaster raster = RenderBlock(*session, poses, {});
+  const auto value = [&](double x, double y) {
+    const auto cell = raster.CellOf(site_from_world * Eigen::Vector2d(x, y));
+    return raster.Contains(cell.x(), cell.y()) ? raster.At(static_cast<int>(cell.x()), static_cast<int>(cell.y()))
+                                               : kUnknownLogOdds;
+  };
+  EXPECT_GT(value(12.01, 3.0), 0.5F);        // outer wall
+  EXPECT_LT(value(10.5, 3.0), -0.5F);        // corridor
+  EXPECT_TRUE(std::isnan(value(0.0, 0.0)));  // inside the core
+}
+
+}  // namespace
+}  // namespace survey

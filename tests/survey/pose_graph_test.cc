@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/graph/pose_graph.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+
+#include "survey/graph/graph_residuals.h"
+#include "survey/stats/philox.h"
+
+namespace survey {
+namespace {
+
+TEST(GraphResiduals, DerivativesAgreeWithDifferences) {
+  const Eigen::Vector3d base(1.0, -2.0, 0.7);
+  const Eigen::Vector3d target(3.0, 0.5, -1.1);
+  const Pose2 measured{2.0, 0.3, -1.9};
+  const Eigen::Vector2d point(2.0, 4.0);
+  const Eigen::Vector2d in_pose(0.3, 0.9);
+  const double h = 1e-6;
+  const auto relative = EvaluateRelativePose(Pose2::FromVector(base), Pose2::FromVector(target), measured);
+  const auto mark = EvaluateMark(Pose2::FromVector(base), point, in_pose);
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::Vector3d step = h * Eigen::Vector3d::Unit(k);
+    const Eigen::Vector3d d_base =
+        (EvaluateRelativePose(Pose2::FromVector(base + step), Pose2::FromVector(target), measured).error -
+         EvaluateRelativePose(Pose2::FromVector(base - step), Pose2::FromVector(target), measured).error) /
+        (2 * h);
+    const Eigen::Vector3d d_target =
+        (EvaluateRelativePose(Pose2::FromVector(base), Pose2::FromVector(target + step), measured).error -
+         EvaluateRelativePose(Pose2::FromVector(base), Pose2::FromVector(target - step), measured).error) /
+        (2 * h);
+    const Eigen::Vector2d d_pose = (EvaluateMark(Pose2::FromVector(base + step), point, in_pose).error -
+                                    EvaluateMark(Pose2::FromVector(base - step), point, in_pose).error) /
+                                   (2 * h);
+    EXPECT_LT((relative.d_base.col(k) - d_base).norm(), 1e-8);
+    EXPECT_LT((relative.d_target.col(k) - d_target).norm(), 1e-8);
+    EXPECT_LT((mark.d_pose.col(k) - d_pose).norm(), 1e-8);
+  }
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::Vector2d step = h * Eigen::Vector2d::Unit(k);
+    const Eigen::Vector2d d_point = (EvaluateMark(Pose2::FromVector(base), point + step, in_pose).error -
+                                     EvaluateMark(Pose2::FromVector(base), point - step, in_pose).error) /
+                                    (2 * h);
+    EXPECT_LT((mark.d_point.col(k) - d_point).norm(), 1e-8);
+  }
+}
+
+// A square walk of 40 poses with noisy motions.
+PoseGraph NoisyWalk(std::uint32_t seed, double sigma_m, double sigma_rad) {
+  const RandomStream noise(1, 1, seed);
+  PoseGraph graph;
+  graph.poses.push_back({});
+  for (int i = 1; i < 40; ++i) {
+    const auto [nx, ny] = noise.Normals(2 * static_cast<std::uint64_t>(i));
+    const double nt = noise.Normal(2 * static_cast<std::uint64_t>(i) + 1);
+    const Pose2 motion{1.0 + sigma_m * nx, sigma_m * ny, (i % 10 == 0 ? 1.5707963267948966 : 0.0) + sigma_rad * nt};
+    graph.edges.push_back({i - 1, i, motion,
+                           Eigen::Vector3d(sigma_m * sigma_m, sigma_m * sigma_m, sigma_rad * sigma_rad).asDiagonal(),
+                           false});
+    graph.poses.push_back(graph.poses.back() * motion);
+  }
+  graph.fixed_pose = 0;
+  return graph;
+}
+
+TEST(PoseGraph, ALoopRemovesTheDriftAndChiSquareIsHonest) {
+  double sum = 0.0;
+  for (std::uint32_t seed = 0; seed < 60; ++seed) {
+    PoseGraph graph = NoisyWalk(seed, 0.02, 0.005);
+    // True end: (0, 1) looking along -y, one metre before the start.
+    graph.edges.push_back({0, 39, {0, 1, -1.5707963267948966}, Eigen::Vector3d(1e-6, 1e-6, 1e-6).asDiagonal(), false});
+    const PoseGraphSummary summary = Solve(&graph, {});
+    ASSERT_TRUE(summary.usable);
+    EXPECT_LT((graph.poses.back().Translation() - Eigen::Vector2d(0, 1)).norm(), 0.01);
+    sum += 2.0 * summary.final_cost;
+  }
+  EXPECT_NEAR(sum / 60, 3.0, 1.0);  // one loop: three degrees of freedom
+}
+
+TEST(PoseGraph, ARobustLoopThatIsWrongMovesLittle) {
+  PoseGraph graph = NoisyWalk(3, 0.02, 0.005);
+  const PoseGraph before = graph;
+  graph.edges.push_back({5, 25, {0, 0, 2.0}, Eigen::Vector3d(1e-4, 1e-4, 1e-4).asDiagonal(), true});
+  Solve(&graph, {});
+  EXPECT_LT((graph.poses.back().Translation() - before.poses.back().Translation()).norm(), 0.05);
+}
+
+TEST(PoseGraph, CovariancesEqualTheDenseInverse) {
+  PoseGraph graph;
+  graph.poses = {{0, 0, 0}, {1, 0, 0.3}, {2, 0.4, 0.6}};
+  const Eigen::Matrix3d covariance = Eigen::Vector3d(0.01, 0.02, 0.001).asDiagonal();
+  graph.edges = {{0, 1, Between(graph.poses[0], graph.poses[1]), covariance, false},
+                 {1, 2, Between(graph.poses[1], graph.poses[2]), covariance, false}};
+  graph.points = {{{0.5, 0.5}, Eigen::Matrix2d(1e-4 * Eigen::Matrix2d::Identity())},
+                  {{3, 0}, Eigen::Matrix2d(4e-4 * Eigen::Matrix2d::Identity())}};
+  const Eigen::Matrix2d mark_covariance = 1e-4 * Eigen::Matrix2d::Identity();
+  graph.marks = {{0, 0, Inverse(graph.poses[0]) * graph.points[0].position, mark_covariance},
+                 {2, 1, Inverse(graph.poses[2]) * graph.points[1].position, mark_covariance}};
+
+  // Unknowns: three poses, two points, in this order.
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(13, 13);
+  for (const PoseEdge& edge : graph.edges) {
+    const auto r = EvaluateRelativePose(graph.poses[static_cast<std::size_t>(edge.base)],
+                                        graph.poses[static_cast<std::size_t>(edge.target)], edge.base_from_target);
+    Eigen::MatrixXd row = Eigen::MatrixXd::Zero(3, 13);
+    row.block<3, 3>(0, 3 * edge.base) = r.d_base;
+    row.block<3, 3>(0, 3 * edge.target) = r.d_target;
+    normal += row.transpose() * edge.covariance.inverse() * row;
+  }
+  for (const MarkEdge& mark : graph.marks) {
+    const auto r = EvaluateMark(graph.poses[static_cast<std::size_t>(mark.pose)],
+                                graph.points[static_cast<std::size_t>(mark.point)].position, mark.p_in_pose);
+    Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, 13);
+    row.block<2, 3>(0, 3 * mark.pose) = r.d_pose;
+    row.block<2, 2>(0, 9 + 2 * mark.point) = r.d_point;
+    normal += row.transpose() * mark.covariance.inverse() * row;
+    normal.block<2, 2>(9 + 2 * mark.point, 9 + 2 * mark.point) +=
+        graph.points[static_cast<std::size_t>(mark.point)].prior_covariance->inverse();
+  }
+  const Eigen::MatrixXd inverse = normal.inverse();
+  const std::vector<Eigen::Matrix3d> computed = PoseCovariances(graph, {0, 1, 2});
+  ASSERT_EQ(computed.size(), 3U);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_LT((computed[static_cast<std::size_t>(i)] - inverse.block<3, 3>(3 * i, 3 * i)).norm(),
+              1e-9 * inverse.norm());
+  }
+}
+
+TEST(PoseGraph, WithoutDatumThereAreNoCovariances) {
+  PoseGraph graph = NoisyWalk(1, 0.02, 0.005);
+  graph.fixed_pose.reset();
+  const std::vector<Eigen::Matrix3d> covariances = PoseCovariances(graph, {3});
+  // A free gauge: nothing, or absurdly large numbers from rounding.
+  EXPECT_TRUE(covariances.empty() || covariances.front()(0, 0) > 1e3);
+}
+
+}  // namespace
+}  // namespace survey

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pipeline/stage.h"
 
+#include <signal.h>
 #include <tbb/global_control.h>
 #include <toml++/toml.h>
 #include <unistd.h>
@@ -14,6 +15,8 @@
 #include <sstream>
 
 #include "formats/digest.h"
+#include "pipeline/nearest.h"
+#include "pipeline/stage_program.h"
 
 namespace pipeline {
 namespace {
@@ -57,6 +60,12 @@ std::string Today() {
   return buffer;
 }
 
+// Under `make -j` several stages share the terminal: their progress lines would overwrite each other.
+bool OneOfManyJobs() {
+  const char* flags = std::getenv("MAKEFLAGS");
+  return flags != nullptr && std::string_view(flags).find("--jobserver") != std::string_view::npos;
+}
+
 std::string HostName() {
   char buffer[256] = "";
   gethostname(buffer, sizeof buffer - 1);
@@ -71,7 +80,7 @@ Progress::Progress(std::string program, std::string what, std::int64_t total, bo
     : program_(std::move(program)),
       what_(std::move(what)),
       total_(total),
-      enabled_(enabled && isatty(2) == 1),
+      enabled_(enabled && isatty(2) == 1 && !OneOfManyJobs()),
       start_(std::chrono::steady_clock::now()),
       last_(start_) {}
 
@@ -130,17 +139,17 @@ Progress StageRun::Track(const std::string& what, std::int64_t total) const {
 
 void StageRun::Message(const std::string& text) {
   if (!quiet_) std::fprintf(stderr, "plumbline-%s: %s\n", stage_.c_str(), text.c_str());
-  log_text_ += text + "\n";
+  if (log_) *log_ << text << std::endl;
 }
 
 void StageRun::Warn(const std::string& text) {
   std::fprintf(stderr, "plumbline-%s: warning: %s\n", stage_.c_str(), text.c_str());
-  log_text_ += "warning: " + text + "\n";
+  if (log_) *log_ << "warning: " << text << std::endl;
 }
 
 struct Stage::Impl {
   struct Key {
-    std::string type;                                                      // for --list-options
+    OptionInfo info;                                                       // for --list-options
     std::function<void(const toml::node&, const std::string&)> from_toml;  // throws UsageError
     std::function<std::string()> text;
     std::function<void()> check;
@@ -189,26 +198,49 @@ struct Stage::Impl {
       const std::string key_name(toml_key.str());
       const std::string where = config.string() + ":" + std::to_string(node.source().begin.line) + ": " + key_name;
       const auto found = keys.find(key_name);
-      if (found == keys.end()) throw UsageError(where + ": unknown key; stage " + name + " knows " + KeyNames());
+      if (found == keys.end()) throw UsageError(where + ": unknown key" + Suggestion(key_name, KeyNames()));
       if (found->second.cli->count() == 0) found->second.from_toml(node, where);
     }
   }
 
-  std::string KeyNames() const {
-    std::string names;
-    for (const auto& [key_name, key] : keys) names += (names.empty() ? "" : ", ") + key_name;
-    return names.empty() ? "none" : names;
+  std::vector<std::string> KeyNames() const {
+    std::vector<std::string> names;
+    for (const auto& [key_name, key] : keys) names.push_back(key_name);
+    return names;
   }
 
-  void WriteLog(const StageRun& run, const std::string& command, const std::string& began, double seconds,
-                const std::string& outcome) const {
-    if (log.empty()) return;
+  int ListOptions() const {
+    for (const auto& [key_name, key] : keys) {
+      OptionInfo info = key.info;
+      info.default_text = key.text();
+      std::cout << ToLine(info) << "\n";
+    }
+    return 0;
+  }
+
+  // Everything cheap is checked before the body runs.
+  void Prepare(StageRun& run) {
+    ReadConfig();
+    for (const auto& [key_name, key] : keys) {
+      key.check();
+      run.options_[key_name] = key.text();
+    }
+    run.quiet_ = quiet;
+    for (const Output& output : outputs) {
+      if (output.path->empty()) throw UsageError("--" + output.name + " is required");
+    }
+    for (const auto& declare : declare_inputs) declare(run);
+  }
+
+  // The log grows while the stage runs; its last line tells the outcome, so a killed run is seen by its absence.
+  std::unique_ptr<std::ostream> OpenLog(const std::string& command) const {
+    if (log.empty()) return nullptr;
     std::error_code error;
     if (log.has_parent_path()) fs::create_directories(log.parent_path(), error);
-    std::ofstream file(log);
-    file << "command: " << command << "\nversion: " << Version() << "\nhost: " << HostName()
-         << "\nthreads: " << run.threads_ << "\nbegan: " << began << "\nseconds: " << seconds << "\n"
-         << run.log_text_ << outcome << "\n";
+    auto file = std::make_unique<std::ofstream>(log);
+    *file << "command: " << command << "\nversion: " << Version() << "\nhost: " << HostName() << "\nbegan: " << Today()
+          << std::endl;
+    return file;
   }
 };
 
@@ -298,6 +330,18 @@ void CheckRange(const std::string& name, double value, const Range& range) {
   throw UsageError(name + " = " + ToText(value) + ": must be " + rule);
 }
 
+OptionInfo Describe(const std::string& name, const std::string& type, const std::string& help, const Range& range = {},
+                    const std::vector<std::string>& allowed = {}) {
+  const Range unbounded;
+  return {.key = name,
+          .type = type,
+          .default_text = "",
+          .min = range.min == unbounded.min ? "" : ToText(range.min),
+          .max = range.max == unbounded.max ? "" : ToText(range.max),
+          .allowed = allowed,
+          .help = help};
+}
+
 template <typename T>
 std::function<void(const toml::node&, const std::string&)> NumberFromToml(T* value, const std::string& type) {
   return [value, type](const toml::node& node, const std::string& where) {
@@ -317,7 +361,8 @@ std::function<void(const toml::node&, const std::string&)> NumberFromToml(T* val
 
 void Stage::Option(const std::string& name, double* value, const std::string& help, Range range) {
   CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->capture_default_str()->group("Options");
-  impl_->AddKey(name, {"number", NumberFromToml(value, "a number"), [value] { return ToText(*value); },
+  impl_->AddKey(name, {Describe(name, "number", help, range), NumberFromToml(value, "a number"),
+                       [value] { return ToText(*value); },
                        [=] {
                          if (!std::isfinite(*value)) throw UsageError(name + ": must be a finite number");
                          CheckRange(name, *value, range);
@@ -343,13 +388,14 @@ void Stage::Option(const std::string& name, std::optional<double>* value, const 
 
 void Stage::Option(const std::string& name, int* value, const std::string& help, Range range) {
   CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->capture_default_str()->group("Options");
-  impl_->AddKey(name, {"integer", NumberFromToml(value, "an integer"), [value] { return std::to_string(*value); },
-                       [=] { CheckRange(name, *value, range); }, cli});
+  impl_->AddKey(name, {Describe(name, "integer", help, range), NumberFromToml(value, "an integer"),
+                       [value] { return std::to_string(*value); }, [=] { CheckRange(name, *value, range); }, cli});
 }
 
 void Stage::Option(const std::string& name, std::int64_t* value, const std::string& help, Range range) {
   CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->capture_default_str()->group("Options");
-  impl_->AddKey(name, {"integer", NumberFromToml(value, "an integer"), [value] { return std::to_string(*value); },
+  impl_->AddKey(name, {Describe(name, "integer", help, range), NumberFromToml(value, "an integer"),
+                       [value] { return std::to_string(*value); },
                        [=] { CheckRange(name, static_cast<double>(*value), range); }, cli});
 }
 
@@ -358,7 +404,7 @@ void Stage::Option(const std::string& name, bool* value, const std::string& help
                          ->capture_default_str()
                          ->type_name("true|false")
                          ->group("Options");
-  impl_->AddKey(name, {"boolean",
+  impl_->AddKey(name, {Describe(name, "boolean", help),
                        [value](const toml::node& node, const std::string& where) {
                          if (!node.is_boolean()) throw UsageError(where + ": expected true or false");
                          *value = *node.value<bool>();
@@ -369,7 +415,7 @@ void Stage::Option(const std::string& name, bool* value, const std::string& help
 void Stage::Option(const std::string& name, std::string* value, const std::string& help,
                    std::vector<std::string> allowed) {
   CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->capture_default_str()->group("Options");
-  impl_->AddKey(name, {"string",
+  impl_->AddKey(name, {Describe(name, "string", help, {}, allowed),
                        [value](const toml::node& node, const std::string& where) {
                          if (!node.is_string()) throw UsageError(where + ": expected a text in quotes");
                          *value = *node.value<std::string>();
@@ -378,9 +424,7 @@ void Stage::Option(const std::string& name, std::string* value, const std::strin
                        [=] {
                          if (allowed.empty() || std::find(allowed.begin(), allowed.end(), *value) != allowed.end())
                            return;
-                         std::string list;
-                         for (const std::string& word : allowed) list += (list.empty() ? "" : ", ") + word;
-                         throw UsageError(name + " = \"" + *value + "\": must be one of " + list);
+                         throw UsageError(name + " = \"" + *value + "\": must be one of " + Joined(allowed));
                        },
                        cli});
 }
@@ -403,53 +447,48 @@ void Stage::Positional(const std::string& name, fs::path* file, const std::strin
 }
 
 int Stage::Run(int argc, char** argv, const std::function<void(StageRun&)>& body) {
+  // A reader that went away (a closed terminal, a pager) must not end a stage that writes artefacts.
+  if (!impl_->outputs.empty()) signal(SIGPIPE, SIG_IGN);
   StageRun run;
   run.stage_ = impl_->name;
-  std::string command;
-  for (int i = 0; i < argc; ++i) command += (i == 0 ? "" : " ") + std::string(argv[i]);
-  const std::string began = Today();
   const auto start = std::chrono::steady_clock::now();
   const auto finish = [&](int status, const std::string& message) {
     if (!message.empty()) std::cerr << "plumbline-" << impl_->name << ": " << message << std::endl;
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    impl_->WriteLog(run, command, began, seconds,
-                    message.empty() ? "done" : "failed (" + std::to_string(status) + "): " + message);
+    if (run.log_) {
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      *run.log_ << "seconds: " << seconds << "\n"
+                << (message.empty() ? "done" : "failed (" + std::to_string(status) + "): " + message) << std::endl;
+    }
     return status;
   };
   try {
     impl_->app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return impl_->app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    return finish(2, std::string(error.what()) + " (see --help)");
-  }
-  try {
-    if (impl_->list_options) {
-      for (const auto& [name, key] : impl_->keys) std::cout << name << "\t" << key.type << "\t" << key.text() << "\n";
-      return 0;
-    }
-    impl_->ReadConfig();
-    for (const auto& [name, key] : impl_->keys) {
-      key.check();
-      run.options_[name] = key.text();
-    }
-    run.quiet_ = impl_->quiet;
-    for (const auto& output : impl_->outputs) {
-      if (output.path->empty()) throw UsageError("--" + output.name + " is required");
-    }
-    for (const auto& declare : impl_->declare_inputs) declare(run);
+    if (impl_->list_options) return impl_->ListOptions();
+    std::string command = argv[0];
+    for (int i = 1; i < argc; ++i) command += " " + std::string(argv[i]);
+    run.log_ = impl_->OpenLog(command);
+    impl_->Prepare(run);
     std::optional<tbb::global_control> limit;
     if (impl_->threads > 0)
       limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(impl_->threads));
     run.threads_ = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    if (run.log_) *run.log_ << "threads: " << run.threads_ << std::endl;
     body(run);
     std::cout.flush();
     if (!std::cout) throw DataError("standard output: could not be written");
     return finish(0, "");
+  } catch (const CLI::Success& success) {
+    return impl_->app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return finish(2, std::string(error.what()) + " (see --help)");
   } catch (const UsageError& error) {
     return finish(2, error.what());
   } catch (const DataError& error) {
     return finish(1, error.what());
+  } catch (const fs::filesystem_error& error) {
+    return finish(1, error.path1().string() + ": " + error.code().message());
+  } catch (const std::bad_alloc&) {
+    return finish(1, "out of memory: this machine has too little for the input");
   } catch (const std::exception& error) {
     return finish(
         3, std::string("internal error: ") + error.what() + "; please report it with the command above and the inputs");

@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <iosfwd>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -102,7 +103,7 @@ class StageRun {
   std::optional<formats::Provenance> provenance_;
   int threads_ = 1;
   bool quiet_ = false;
-  std::string log_text_;
+  std::unique_ptr<std::ostream> log_;  // null without --log
 };
 
 class Stage {

@@ -1,1 +1,266 @@
-int main() { return 0; }
+// SPDX-License-Identifier: Apache-2.0
+//
+// The front command: `plumbline new|run|status`, and `plumbline STAGE ...` as git does it.
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <sstream>
+#include <thread>
+
+#include "formats/atomic_file.h"
+#include "formats/errors.h"
+#include "pipeline/nearest.h"
+#include "pipeline/new_site.h"
+#include "pipeline/site_config.h"
+#include "pipeline/site_lock.h"
+#include "pipeline/site_status.h"
+#include "pipeline/stage.h"
+#include "pipeline/stage_program.h"
+#include "pipeline/subprocess.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using formats::DataError;
+using formats::UsageError;
+
+constexpr const char* kHelp = R"(Plumbline makes georeferenced indoor maps from laser scans and a control network.
+
+  plumbline new SITE --crs EPSG:25832 --control points.csv --block B1=field.log --block B2=folder/
+                     make a site's folder from field data and a control list
+  plumbline run SITE [-j N] [TARGET ...]
+                     bring everything up to date, or a TARGET: a stage, a block, a file
+  plumbline status SITE
+                     what is done, what is stale and why, what failed
+  plumbline show FILE | check FILE
+                     print or verify any result
+  plumbline STAGE ...
+                     run one stage by itself; `plumbline STAGE --help` explains it
+  plumbline --graph  path of the make graph that a site's Makefile includes
+  plumbline --version
+
+Example:
+  plumbline new office --control points.csv --block A=monday/ && plumbline run office -j 2
+)";
+
+using Arguments = std::vector<std::string>;
+
+// The two lists of stages live in plumbline.mk alone; it hands them to `plumbline configure`. `new` reads them there.
+std::vector<std::string> ListInGraph(const fs::path& graph, const std::string& variable) {
+  std::istringstream lines(formats::ReadWholeFile(graph));
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.starts_with(variable + " := ")) continue;
+    std::istringstream words(line.substr(variable.size() + 4));
+    return {std::istream_iterator<std::string>(words), {}};
+  }
+  throw DataError(graph.string() + ": no " + variable);
+}
+
+fs::path GraphFile() {
+  const fs::path graph = pipeline::OwnFolder().parent_path() / "share" / "plumbline" / "plumbline.mk";
+  if (!fs::exists(graph)) throw DataError(graph.string() + ": no such file; is Plumbline whole?");
+  return graph;
+}
+
+pipeline::GraphStages AskStages(const std::vector<std::string>& of_blocks, const std::vector<std::string>& of_site,
+                                const fs::path& cache) {
+  const auto ask = [&](const std::vector<std::string>& names) {
+    std::vector<pipeline::StageProgram> programs;
+    for (const std::string& name : names) {
+      programs.push_back(pipeline::AskStageProgram(name, pipeline::OwnFolder(), cache));
+    }
+    return programs;
+  };
+  return {ask(of_blocks), ask(of_site)};
+}
+
+// Parses with CLI11; false when help was asked for and printed.
+bool Parse(CLI::App& app, Arguments arguments) {
+  std::reverse(arguments.begin(), arguments.end());
+  try {
+    app.parse(arguments);
+    return true;
+  } catch (const CLI::Success& success) {
+    app.exit(success);
+    return false;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + " (see plumbline --help)");
+  }
+}
+
+int New(const Arguments& arguments) {
+  pipeline::NewSite request;
+  std::vector<std::string> blocks;
+  CLI::App app("Make a site's folder from field data and a control list.", "plumbline new");
+  app.add_option("SITE", request.site, "folder to make");
+  app.add_option("--crs", request.crs, "projected coordinate system of the control, e.g. EPSG:25832");
+  app.add_option("--control", request.control, "control and check points (CSV)");
+  app.add_option("--control-order", request.control_order, "order of a control list without a header")
+      ->check(CLI::IsMember({"pnezd", "penzd"}));
+  app.add_option("--features", request.features, "check features with independent coordinates (CSV)");
+  app.add_option("--block", blocks, "field data of a block: a log, a bag, or a folder with its marks.csv")
+      ->type_name("NAME=FILE|FOLDER");
+  app.add_flag("--link", request.link, "link to the files instead of copying them");
+  app.footer("Example:\n  plumbline new office --crs EPSG:25832 --control points.csv --block A=monday/");
+  if (!Parse(app, arguments)) return 0;
+  for (const std::string& block : blocks) request.blocks.push_back(pipeline::BlockFromText(block));
+
+  const fs::path graph = GraphFile();
+  const pipeline::GraphStages stages =
+      AskStages(ListInGraph(graph, "plumbline.block-stages"), ListInGraph(graph, "plumbline.site-stages"), {});
+  for (const std::string& remark : pipeline::MakeSite(request, stages)) std::cerr << "plumbline: " << remark << "\n";
+  std::cerr << "plumbline: made " << request.site.string() << "; go on with: plumbline run " << request.site.string()
+            << "\n";
+  return 0;
+}
+
+void CheckIsSite(const fs::path& site) {
+  if (site.empty()) throw UsageError("SITE is required: the folder that `plumbline new` made");
+  if (!fs::is_directory(site)) throw UsageError(site.string() + ": no such folder");
+  if (!fs::exists(site / "Makefile") || !fs::exists(site / "site.toml")) {
+    throw UsageError(site.string() +
+                     ": no Makefile and site.toml in it, so it is not a site (plumbline new makes one)");
+  }
+}
+
+// Files may be named as seen from here or as seen from the site.
+std::string TargetInSite(const fs::path& site, const std::string& target) {
+  if (target.find('/') == std::string::npos) return target;
+  const fs::path from_site = fs::absolute(target).lexically_normal().lexically_relative(fs::canonical(site));
+  const bool inside = !from_site.empty() && !from_site.string().starts_with("..");
+  return inside ? from_site.string() : target;
+}
+
+// make says 2 for every failure; the logs know which.
+int ExitStatusOfFailure(const fs::path& site, fs::file_time_type began, int make_status) {
+  int worst = 0;
+  if (fs::is_directory(site / "logs")) {
+    for (const fs::directory_entry& log : fs::directory_iterator(site / "logs")) {
+      if (log.last_write_time() < began) continue;
+      worst = std::max(worst, pipeline::ReadLogEnd(log.path()).exit_status);
+    }
+  }
+  return worst != 0 ? worst : make_status;
+}
+
+void PutOwnFolderFirstOnPath() {
+  const char* path = std::getenv("PATH");
+  setenv("PATH", (pipeline::OwnFolder().string() + (path != nullptr ? ":" + std::string(path) : "")).c_str(), 1);
+}
+
+int Run(const Arguments& arguments) {
+  fs::path site;
+  std::vector<std::string> targets;
+  int jobs = 1;
+  CLI::App app("Bring a site up to date.", "plumbline run");
+  app.add_option("SITE", site, "the site's folder");
+  app.add_option("TARGET", targets, "a stage's name, a block's name or a file; everything when none is given");
+  app.add_option("-j,--jobs", jobs, "stages to run at once")->check(CLI::Range(1, 10000));
+  app.footer("Example:\n  plumbline run office -j 2 out/site.tif");
+  if (!Parse(app, arguments)) return 0;
+  CheckIsSite(site);
+
+  PutOwnFolderFirstOnPath();
+  if (jobs > 1 && std::getenv("PLUMBLINE_THREADS") == nullptr) {
+    const int cores = static_cast<int>(std::thread::hardware_concurrency());
+    setenv("PLUMBLINE_THREADS", std::to_string(std::max(1, cores / jobs)).c_str(), 1);
+  }
+  Arguments make = {"make", "--no-print-directory", "-C", site.string()};
+  if (jobs > 1) make.push_back("-j" + std::to_string(jobs));
+  for (const std::string& target : targets) make.push_back(TargetInSite(site, target));
+  const auto began = fs::file_time_type::clock::now() - std::chrono::milliseconds(20);  // coarser clock of files
+  signal(SIGINT, [](int) {});  // Ctrl-C is for make and its stages (exec resets a handler); we tell the outcome
+  const int status = pipeline::RunAndWait(make);
+  return status == 0 ? 0 : ExitStatusOfFailure(site, began, status);
+}
+
+int Status(const Arguments& arguments) {
+  fs::path site;
+  CLI::App app("Say what is done, what is stale and why, what failed.", "plumbline status");
+  app.add_option("SITE", site, "the site's folder");
+  app.footer("Example:\n  plumbline status office");
+  if (!Parse(app, arguments)) return 0;
+  CheckIsSite(site);
+  PutOwnFolderFirstOnPath();
+  std::cout << pipeline::StatusText(pipeline::SiteStatus(site, pipeline::ReadGraph(site)));
+  return 0;
+}
+
+// Called by plumbline.mk before anything else, in the site's folder.
+int Configure(const Arguments& arguments) {
+  std::string of_blocks;
+  std::string of_site;
+  int make = 0;
+  CLI::App app("Check the site and split its configuration; called by the make graph.", "plumbline configure");
+  app.add_option("--block-stages", of_blocks, "stages that run once per block")->required();
+  app.add_option("--site-stages", of_site, "stages that run once")->required();
+  app.add_option("--make-pid", make, "keep other makes away until this process ends");
+  if (!Parse(app, arguments)) return 0;
+  const auto words = [](const std::string& text) {
+    std::istringstream in(text);
+    return std::vector<std::string>{std::istream_iterator<std::string>(in), {}};
+  };
+  if (make > 0) pipeline::LockSiteUntilEndOf(".", make);
+  pipeline::ConfigureSite(".", AskStages(words(of_blocks), words(of_site), "work/.programs"));
+  return 0;
+}
+
+int RunStage(const std::string& stage, const Arguments& arguments,
+             const std::map<std::string, std::function<int(const Arguments&)>>& commands) {
+  const fs::path bin = pipeline::OwnFolder();
+  std::vector<std::string> known = pipeline::InstalledStages(bin);
+  if (std::find(known.begin(), known.end(), stage) == known.end()) {
+    for (const auto& [name, command] : commands) known.push_back(name);
+    throw UsageError(stage + ": no such command" + pipeline::Suggestion(stage, known));
+  }
+  Arguments argv = {(bin / ("plumbline-" + stage)).string()};
+  argv.insert(argv.end(), arguments.begin(), arguments.end());
+  pipeline::Become(argv);
+}
+
+int Dispatch(const Arguments& arguments) {
+  static const std::map<std::string, std::function<int(const Arguments&)>> kCommands = {
+      {"new", New}, {"run", Run}, {"status", Status}, {"configure", Configure}};
+  if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h" || arguments[0] == "help") {
+    std::cout << kHelp << "\nStages: " << pipeline::Joined(pipeline::InstalledStages(pipeline::OwnFolder())) << "\n";
+    return arguments.empty() ? 2 : 0;
+  }
+  if (arguments[0] == "--version") {
+    std::cout << "plumbline " << pipeline::Version() << "\n";
+    return 0;
+  }
+  if (arguments[0] == "--graph") {
+    std::cout << GraphFile().string() << "\n";
+    return 0;
+  }
+  const Arguments rest(arguments.begin() + 1, arguments.end());
+  const auto command = kCommands.find(arguments[0]);
+  return command != kCommands.end() ? command->second(rest) : RunStage(arguments[0], rest, kCommands);
+}
+
+int Report(int status, const std::string& message) {
+  std::cerr << "plumbline: " << message << std::endl;
+  return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return Dispatch({argv + 1, argv + argc});
+  } catch (const UsageError& error) {
+    return Report(2, error.what());
+  } catch (const DataError& error) {
+    return Report(1, error.what());
+  } catch (const fs::filesystem_error& error) {
+    return Report(1, error.path1().string() + ": " + error.code().message());
+  } catch (const std::exception& error) {
+    return Report(3, std::string("internal error: ") + error.what() + "; please report it");
+  }
+}

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+#
+# The one place where Plumbline's graph is written. A site's Makefile includes it:
+#
+#     include $(shell plumbline --graph)
+#
+# Targets: `all` (the certificate and everything under it), a stage's name (that stage for all blocks), a block's name
+# (its map), or any file named below. Variables: LAUNCH is put before every stage command (a cluster's launcher);
+# PLUMBLINE_THREADS limits the threads of each stage (0: all cores) and never changes a result.
+#
+# When does a stage run again? Its stamp, work/.stamps/[BLOCK-]STAGE, holds the command that last succeeded and bears the
+# time at which it began. The stage runs when
+#   - an input is newer than the stamp. Outputs that come out identical keep their time stamps, so an unchanged result
+#     stops the chain there. For files that people supply, work/.sources/FILE stands in: `plumbline configure` rewrites
+#     it whenever size or time of FILE changes in any direction (an older version put back counts as a change);
+#   - its configuration slice, work/[BLOCK/]config/STAGE.toml, is newer: a key that the stage knows, or the program
+#     itself, has changed. `plumbline configure` writes the slices, also by the rule of unchanged content;
+#   - the command is another one: an optional file, a mark list, an edit or a block came or went;
+#   - an output is missing.
+# A stage that failed or was killed leaves its stamp as it was and therefore runs again.
+
+MAKEFLAGS += --no-builtin-rules --no-builtin-variables
+.SUFFIXES:
+.DEFAULT_GOAL := all
+.PHONY: all graph FORCE
+FORCE:
+LAUNCH ?=
+PLUMBLINE_THREADS ?= 0
+
+plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
+export PATH := $(plumbline.bin):$(PATH)
+
+plumbline.block-stages := ingest track loops adjust grid edit features
+plumbline.site-stages := network stitch certify report
+
+# Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
+# looks and needs no lock.
+plumbline.goals-that-look := graph
+plumbline.lock := $(if $(filter $(plumbline.goals-that-look),$(MAKECMDGOALS)),,--make-pid $$PPID)
+plumbline.output := $(shell $(plumbline.bin)/plumbline configure $(plumbline.lock) \
+  --block-stages '$(plumbline.block-stages)' --site-stages '$(plumbline.site-stages)')
+ifneq ($(.SHELLSTATUS),0)
+$(error The site is not ready: see the message above)
+endif
+
+# $(call source,FILES): what a rule names instead of files that people supply.
+source = $(addprefix work/.sources/,$(1))
+
+# $(call stage,STAGE,BLOCK or empty,INPUTS,OUTPUTS,ARGUMENTS): the rules of one run of one stage.
+plumbline.runs :=
+define stage
+$(eval run := $(if $(2),$(2)-)$(1))
+$(eval slice := work/$(if $(2),$(2)/)config/$(1).toml)
+$(eval plumbline.runs += $(run))
+$(eval $(run).stage := $(1))
+$(eval $(run).block := $(2))
+$(eval $(run).inputs := $(slice) $(3))
+$(eval $(run).outputs := $(4))
+$(eval $(run).command := plumbline-$(1) $(strip $(5)) --config $(slice))
+$(eval $(call stage-rules,$(1),$(2),$(run)))
+endef
+
+define stage-rules
+work/.stamps/$(3): $($(3).inputs) $(call changed-command,$(3)) $(call missing-output,$(3))
+	$$(info $(strip $(2) $(1)))$$(file >work/.stamps/.$(3),$($(3).command))
+	@$$(LAUNCH) $($(3).command) --log logs/$(3).log --threads $$(PLUMBLINE_THREADS)
+	@mv -f work/.stamps/.$(3) work/.stamps/$(3)
+$($(3).outputs): work/.stamps/$(3) ; @:
+.PHONY: $(1)
+$(1): $($(3).outputs) ; @:
+endef
+
+changed-command = $(if $(call same,$($(1).command),$(file <work/.stamps/$(1))),,FORCE)
+same = $(and $(findstring |$(1)|,|$(2)|),$(findstring |$(2)|,|$(1)|))
+missing-output = $(if $(filter-out $(wildcard $($(1).outputs)),$($(1).outputs)),FORCE)
+
+# ---------------------------------------------------------------------------------------------------------- the graph
+
+blocks := $(sort $(patsubst blocks/%/,%,$(wildcard blocks/*/)))
+points := $(wildcard control/points.csv)
+features := $(wildcard control/features.csv)
+edits := $(sort $(wildcard edits/*.geojson))
+raw = $(sort $(wildcard blocks/$(1)/raw/*))
+marks = $(wildcard blocks/$(1)/marks.csv)
+marked-blocks := $(foreach b,$(blocks),$(if $(call marks,$(b)),$(b)))
+# A block is tied when there is control and a list of its marks.
+control-of = $(if $(points),$(if $(call marks,$(1)),work/$(1)/control.sqlite))
+
+# $(call named,BLOCKS,FILE): B1=work/B1/FILE ...
+named = $(foreach b,$(1),$(b)=work/$(b)/$(2))
+of-blocks = $(foreach b,$(1),work/$(b)/$(2))
+
+define block
+$(call stage,ingest,$(1),$(call source,$(call raw,$(1)) $(call marks,$(1))),work/$(1)/session.sqlite,\
+  --raw $(call raw,$(1)) $(addprefix --marks ,$(call marks,$(1))) --output work/$(1)/session.sqlite)
+$(call stage,track,$(1),work/$(1)/session.sqlite,work/$(1)/track.sqlite,\
+  --session work/$(1)/session.sqlite --output work/$(1)/track.sqlite)
+$(call stage,loops,$(1),work/$(1)/session.sqlite work/$(1)/track.sqlite,work/$(1)/loops.sqlite,\
+  --session work/$(1)/session.sqlite --track work/$(1)/track.sqlite --output work/$(1)/loops.sqlite)
+$(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call control-of,$(1)),work/$(1)/solution.sqlite,\
+  --track work/$(1)/track.sqlite --loops work/$(1)/loops.sqlite $(addprefix --control ,$(call control-of,$(1)))\
+  --output work/$(1)/solution.sqlite)
+$(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$(1)/grid.tif,\
+  --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --output work/$(1)/grid.tif)
+$(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(edits)),work/$(1)/map.tif,\
+  --grid work/$(1)/grid.tif --solution work/$(1)/solution.sqlite $(addprefix --edits ,$(edits))\
+  --output work/$(1)/map.tif)
+$(if $(features),$(call stage,features,$(1),work/$(1)/map.tif $(call source,$(features)),work/$(1)/features.sqlite,\
+  --map work/$(1)/map.tif --features $(features) --output work/$(1)/features.sqlite))
+$(eval .PHONY: $(1))
+$(eval $(1): work/$(1)/map.tif ; @:)
+endef
+$(foreach b,$(blocks),$(call block,$(b)))
+
+$(if $(points),$(call stage,network,,$(call source,$(points) $(foreach b,$(marked-blocks),$(call marks,$(b)))),\
+  work/control.sqlite $(call of-blocks,$(marked-blocks),control.sqlite),\
+  --control $(points) $(if $(marked-blocks),--marks $(foreach b,$(marked-blocks),$(b)=$(call marks,$(b))))\
+  --output work/control.sqlite --extracts work))
+
+$(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(blocks),solution.sqlite),\
+  out/site.tif out/site.png out/site.pgw out/site.png.aux.xml out/ros/map.yaml out/ros/map.pgm out/seams.json,\
+  --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
+
+$(call stage,certify,,$(if $(points),work/control.sqlite) $(call of-blocks,$(blocks),solution.sqlite)\
+  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json,\
+  out/certificate.json,\
+  $(if $(points),--control work/control.sqlite) --solution $(call named,$(blocks),solution.sqlite)\
+  $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
+  --seams out/seams.json --output out/certificate.json)
+
+$(call stage,report,,out/certificate.json out/site.tif $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\
+  --certificate out/certificate.json --site-map out/site.tif --solution $(call named,$(blocks),solution.sqlite)\
+  --output out/certificate.html)
+
+all: $(foreach r,$(plumbline.runs),$($(r).outputs)) ; @:
+
+# For `plumbline status`: one line per run. Fields: run|stage|block|inputs|outputs|command.
+graph: ; @:
+ifneq ($(filter graph,$(MAKECMDGOALS)),)
+$(foreach r,$(plumbline.runs),$(info $(r)|$($(r).stage)|$($(r).block)|$($(r).inputs)|$($(r).outputs)|$($(r).command)))
+endif

@@ -30,7 +30,7 @@ std::string Nearest(const std::string& word, const std::vector<std::string>& can
   std::size_t fewest = 0;
   for (const std::string& candidate : candidates) {
     const std::size_t distance = Distance(word, candidate);
-    if (3 * distance > std::max(word.size(), candidate.size())) continue;
+    if (2 * distance > std::max(word.size(), candidate.size())) continue;
     if (nearest.empty() || distance < fewest) {
       nearest = candidate;
       fewest = distance;

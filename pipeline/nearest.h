@@ -6,7 +6,7 @@
 
 namespace pipeline {
 
-// The candidate with the fewest single-letter changes from `word`; empty when none is close (more than a third of its
+// The candidate with the fewest single-letter changes from `word`; empty when none is close (more than half of its
 // letters differ).
 std::string Nearest(const std::string& word, const std::vector<std::string>& candidates);
 

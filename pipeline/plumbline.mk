@@ -66,8 +66,7 @@ work/.stamps/$(3): $($(3).inputs) $(call changed-command,$(3)) $(call missing-ou
 	@$$(LAUNCH) $($(3).command) --log logs/$(3).log --threads $$(PLUMBLINE_THREADS)
 	@mv -f work/.stamps/.$(3) work/.stamps/$(3)
 $($(3).outputs): work/.stamps/$(3) ; @:
-.PHONY: $(1)
-$(1): $($(3).outputs) ; @:
+$(1): $($(3).outputs)
 endef
 
 changed-command = $(if $(call same,$($(1).command),$(file <work/.stamps/$(1))),,FORCE)
@@ -112,25 +111,28 @@ $(eval $(1): work/$(1)/map.tif ; @:)
 endef
 $(foreach b,$(blocks),$(call block,$(b)))
 
-$(if $(points),$(call stage,network,,$(call source,$(points) $(foreach b,$(marked-blocks),$(call marks,$(b)))),\
+$(call stage,network,,$(call source,$(points) $(foreach b,$(marked-blocks),$(call marks,$(b)))),\
   work/control.sqlite $(call of-blocks,$(marked-blocks),control.sqlite),\
-  --control $(points) $(if $(marked-blocks),--marks $(foreach b,$(marked-blocks),$(b)=$(call marks,$(b))))\
-  --output work/control.sqlite --extracts work))
+  $(addprefix --control ,$(points)) $(if $(marked-blocks),--marks $(foreach b,$(marked-blocks),$(b)=$(call marks,$(b))))\
+  --output work/control.sqlite --extracts work)
 
 $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(blocks),solution.sqlite),\
   out/site.tif out/site.png out/site.pgw out/site.png.aux.xml out/ros/map.yaml out/ros/map.pgm out/seams.json,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
-$(call stage,certify,,$(if $(points),work/control.sqlite) $(call of-blocks,$(blocks),solution.sqlite)\
+$(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
   $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json,\
   out/certificate.json,\
-  $(if $(points),--control work/control.sqlite) --solution $(call named,$(blocks),solution.sqlite)\
+  --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
   $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
   --seams out/seams.json --output out/certificate.json)
 
 $(call stage,report,,out/certificate.json out/site.tif $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\
   --certificate out/certificate.json --site-map out/site.tif --solution $(call named,$(blocks),solution.sqlite)\
   --output out/certificate.html)
+
+.PHONY: $(plumbline.block-stages) $(plumbline.site-stages)
+$(plumbline.block-stages) $(plumbline.site-stages): ; @:
 
 all: $(foreach r,$(plumbline.runs),$($(r).outputs)) ; @:
 

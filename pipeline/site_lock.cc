@@ -5,7 +5,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/file.h>
-#include <sys/pidfd.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <array>
@@ -87,7 +87,7 @@ void LockSiteUntilEndOf(const fs::path& site, pid_t make) {
   if (ftruncate(lock, 0) != 0 || pwrite(lock, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size())) {
     throw DataError(LockFile(site).string() + ": cannot be written: " + std::strerror(errno));
   }
-  const int process = pidfd_open(make, 0);
+  const int process = static_cast<int>(syscall(SYS_pidfd_open, make, 0));
   if (process < 0) throw DataError("process " + std::to_string(make) + ": " + std::strerror(errno));
   if (fork() == 0) KeepUntilEndOf(process);
   close(process);

@@ -34,6 +34,9 @@ std::string Line(const OptionInfo& option, const std::string& prefix, const std:
 
 std::string CommentedLine(const OptionInfo& option) { return Line(option, "# ", option.default_text); }
 
+// What ingest wants to know is the instruments' set-up.
+std::string TableOf(const StageProgram& stage) { return stage.stage == "ingest" ? "sensors" : stage.stage; }
+
 bool AllKeysAreTheSites(const StageProgram& stage) {
   return std::all_of(stage.options.begin(), stage.options.end(),
                      [](const OptionInfo& option) { return kSiteKeys.contains(option.key); });
@@ -41,7 +44,7 @@ bool AllKeysAreTheSites(const StageProgram& stage) {
 
 std::string StageTable(const StageProgram& stage) {
   if (AllKeysAreTheSites(stage)) return "";
-  std::string text = "\n[" + stage.stage + "]\n";
+  std::string text = "\n[" + TableOf(stage) + "]\n";
   for (const OptionInfo& option : stage.options) {
     if (!kSiteKeys.contains(option.key)) text += CommentedLine(option);
   }

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
@@ -34,11 +35,7 @@ std::string Lower(std::string text) {
 // Shortest text that reads back to the same number.
 std::string ToText(double value) {
   char buffer[32];
-  for (int digits = 1; digits <= 17; ++digits) {
-    std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
-    if (std::strtod(buffer, nullptr) == value) break;
-  }
-  return buffer;
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
 std::string Duration(double seconds) {
@@ -372,7 +369,7 @@ void Stage::Option(const std::string& name, double* value, const std::string& he
 
 void Stage::Option(const std::string& name, std::optional<double>* value, const std::string& help, Range range) {
   CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->type_name("FLOAT")->group("Options");
-  impl_->AddKey(name, {"number",
+  impl_->AddKey(name, {Describe(name, "number", help, range),
                        [value](const toml::node& node, const std::string& where) {
                          value->emplace();
                          NumberFromToml(&**value, "a number")(node, where);

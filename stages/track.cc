@@ -9,7 +9,8 @@
 namespace {
 
 void DeclareOptions(pipeline::Stage* stage, survey::TrackOptions* options) {
-  stage->Option("cell-size-m", &options->grid.cell_size_m, "cell of the submaps (m)", {.min = 0.005, .max = 1.0});
+  stage->Option("submap-cell-size-m", &options->grid.cell_size_m, "cell of the submaps (m)",
+                {.min = 0.005, .max = 1.0});
   stage->Option("max-range-m", &options->max_range_m, "ranges beyond are not used (m)", {.min = 1.0});
   stage->Option("max-points", &options->max_points, "end points used to match a scan", {.min = 20, .max = 100000});
   stage->Option("point-spacing-m", &options->point_spacing_m, "end points closer along the scan are thinned (m)",

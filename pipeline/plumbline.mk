@@ -30,7 +30,7 @@ PLUMBLINE_THREADS ?= 0
 plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
 export PATH := $(plumbline.bin):$(PATH)
 
-plumbline.block-stages := ingest track loops adjust grid edit features
+plumbline.block-stages := ingest track loops adjust grid edit
 plumbline.site-stages := network stitch certify report
 
 # Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
@@ -77,7 +77,6 @@ missing-output = $(if $(filter-out $(wildcard $($(1).outputs)),$($(1).outputs)),
 
 blocks := $(sort $(patsubst blocks/%/,%,$(wildcard blocks/*/)))
 points := $(wildcard control/points.csv)
-features := $(wildcard control/features.csv)
 edits := $(sort $(wildcard edits/*.geojson))
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
@@ -104,8 +103,6 @@ $(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$
 $(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(edits)),work/$(1)/map.tif,\
   --grid work/$(1)/grid.tif --solution work/$(1)/solution.sqlite $(addprefix --edits ,$(edits))\
   --output work/$(1)/map.tif)
-$(if $(features),$(call stage,features,$(1),work/$(1)/map.tif $(call source,$(features)),work/$(1)/features.sqlite,\
-  --map work/$(1)/map.tif --features $(features) --output work/$(1)/features.sqlite))
 $(eval .PHONY: $(1))
 $(eval $(1): work/$(1)/map.tif ; @:)
 endef
@@ -116,20 +113,26 @@ $(call stage,network,,$(call source,$(points) $(foreach b,$(marked-blocks),$(cal
   $(addprefix --control ,$(points)) $(if $(marked-blocks),--marks $(foreach b,$(marked-blocks),$(b)=$(call marks,$(b))))\
   --output work/control.sqlite --extracts work)
 
+# Blocks that are not tied have no place on the site's map and are delivered apart, unless there is but one block.
+tied-blocks := $(foreach b,$(blocks),$(if $(call control-of,$(b)),$(b)))
+site-blocks := $(if $(filter 1,$(words $(blocks))),$(blocks),$(tied-blocks))
+local-blocks := $(filter-out $(site-blocks),$(blocks))
+site-map := $(if $(site-blocks),out/site.tif)
+picture-of = $(1).png $(1).pgw $(1).png.aux.xml
+
 $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(blocks),solution.sqlite),\
-  out/site.tif out/site.png out/site.pgw out/site.png.aux.xml out/ros/map.yaml out/ros/map.pgm out/seams.json,\
+  $(if $(site-map),$(site-map) $(call picture-of,out/site) out/ros/map.yaml out/ros/map.pgm)\
+  $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
-$(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
-  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json,\
+$(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite) out/seams.json,\
   out/certificate.json,\
   --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
-  $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
   --seams out/seams.json --output out/certificate.json)
 
-$(call stage,report,,out/certificate.json out/site.tif $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\
-  --certificate out/certificate.json --site-map out/site.tif --solution $(call named,$(blocks),solution.sqlite)\
-  --output out/certificate.html)
+$(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\
+  --certificate out/certificate.json $(addprefix --site-map ,$(site-map))\
+  --solution $(call named,$(blocks),solution.sqlite) --output out/certificate.html)
 
 .PHONY: $(plumbline.block-stages) $(plumbline.site-stages)
 $(plumbline.block-stages) $(plumbline.site-stages): ; @:

@@ -35,13 +35,13 @@ class CertifyStageTest : public testing::Test {
   // Marks on all points, off by `error_m` east; P0 to P2 were used.
   void WriteBlock(const std::string& name, double error_m, bool tied = true, bool check_used = false) {
     survey::Solution solution{.tied = tied};
-    std::vector<survey::StampNs> stamps;
+    std::vector<survey::ScanStamp> stamps;
     for (std::int64_t i = 0; i < 8; ++i) {
       const survey::ControlPoint& point = network_.points[static_cast<std::size_t>(i)];
       const Eigen::Vector2d at = point.position_in_site + Eigen::Vector2d(i < 3 ? 0.001 : error_m, 0);
       solution.scans.push_back(
           {.scan = survey::ScanId{static_cast<int>(i)}, .site_from_scan = {at.x(), at.y(), 0}, .is_node = true});
-      stamps.push_back(1000 * i);
+      stamps.push_back({.clock_ns = 1000 * i, .recorded_ns = 1000 * i});
       solution.marks.push_back({.point = point.name,
                                 .start_ns = 1000 * i,
                                 .end_ns = 1000 * i + 10,

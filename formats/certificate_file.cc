@@ -70,7 +70,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockCertificate, name, tied, num_scans, path
                                    num_control_marks, rigid_scale, sigma_zero, degrees_of_freedom, fit_rms,
                                    rigid_fit_rms, points, features, relative)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingPair, block_a, block_b, feature, difference)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingAccuracy, pairs, rms, max)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamSummary, block_a, block_b, overlap_area_m2, num_windows, rms, contradicted_share)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingAccuracy, pairs, rms, max, seams)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, blocks, fit, checks,
                                    points_test, features_test, stitching, not_tested)
@@ -82,7 +83,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* kFormat = "plumbline certificate";
+constexpr const char* kFormat = "plumbline-certificate";
 constexpr int kVersion = 1;
 
 }  // namespace
@@ -91,7 +92,7 @@ void WriteCertificate(const std::filesystem::path& file, const survey::Certifica
                       const Provenance& provenance) {
   json document = certificate;
   document["format"] = kFormat;
-  document["version"] = kVersion;
+  document["format_version"] = kVersion;
   document["provenance"] = ToJson(provenance);
   WriteFileAtomically(file, document.dump(1) + "\n");
 }
@@ -101,7 +102,7 @@ survey::Certificate ReadCertificate(const std::filesystem::path& file, Provenanc
   if (!document.is_object() || document.value("format", "") != kFormat) {
     throw DataError(file.string() + ": is not a certificate (or was cut off)");
   }
-  if (document.value("version", 0) != kVersion) {
+  if (document.value("format_version", 0) != kVersion) {
     throw DataError(file.string() + ": was written by another version; make it again");
   }
   try {

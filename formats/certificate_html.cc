@@ -237,8 +237,20 @@ std::string BlocksSection(const Certificate& c) {
            "note");
 }
 
+std::string SeamsText(const Certificate& c) {
+  if (c.stitching.seams.empty()) return "";
+  HtmlTable table({"blocks", "overlap (m&sup2;)", "places measured", "RMS offset (mm)", "walls contradicted"}, 1);
+  for (const survey::SeamSummary& seam : c.stitching.seams) {
+    table.Row({Escaped(seam.block_a) + " &ndash; " + Escaped(seam.block_b), Fixed(seam.overlap_area_m2, 0),
+               std::to_string(seam.num_windows), Mm(seam.rms), Fixed(100 * seam.contradicted_share, 1) + " %"});
+  }
+  return "<h3>Walls of overlapping maps</h3>" + table.Text();
+}
+
 std::string StitchingSection(const Certificate& c) {
-  if (c.stitching.pairs.empty()) return "";
+  if (c.stitching.pairs.empty() && c.stitching.seams.empty()) return "";
+  const std::string heading = H2("Stitching (agreement of neighbouring blocks)");
+  if (c.stitching.pairs.empty()) return heading + SeamsText(c);
   struct PairOfBlocks {
     int count = 0;
     double sum = 0.0, max = 0.0;
@@ -257,7 +269,7 @@ std::string StitchingSection(const Certificate& c) {
   }
   table.Row({"<b>site</b>", std::to_string(c.stitching.pairs.size()), "<b>" + Millimetres(c.stitching.rms) + "</b>",
              Millimetres(c.stitching.max)});
-  return H2("Stitching (agreement of neighbouring blocks)") + table.Text();
+  return heading + "<h3>Features that two blocks show</h3>" + table.Text() + SeamsText(c);
 }
 
 std::string FitSection(const Certificate& c) {

@@ -9,6 +9,7 @@
 
 #include "formats/artefacts.h"
 #include "formats/certificate_file.h"
+#include "formats/seam_summary.h"
 #include "pipeline/stage.h"
 
 namespace {
@@ -32,6 +33,7 @@ survey::CertifyInput ReadInput(const CertifyFiles& files) {
     }
     input.blocks.push_back({.name = solution.name, .solution = formats::ReadSolution(solution.file)});
   }
+  if (!files.seams.empty()) input.seams = formats::ReadSeamSummaries(files.seams);
   return input;
 }
 

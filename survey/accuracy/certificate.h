@@ -76,10 +76,20 @@ struct StitchingPair {
   Eigen::Vector2d difference = Eigen::Vector2d::Zero();  // position in a - position in b
 };
 
+// How the rasters of two blocks agree where they overlap.
+struct SeamSummary {
+  std::string block_a, block_b;
+  double overlap_area_m2 = 0.0;
+  int num_windows = 0;              // places where an offset could be measured
+  std::optional<double> rms;        // of the offsets that are known in both directions
+  double contradicted_share = 0.0;  // wall cells of one map that the other saw as free, the worse of both
+};
+
 struct StitchingAccuracy {
   std::vector<StitchingPair> pairs;
   double rms = 0.0;  // of the lengths of the differences, [CN] table 3
   double max = 0.0;
+  std::vector<SeamSummary> seams;
 };
 
 struct Statement {

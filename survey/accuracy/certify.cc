@@ -194,6 +194,7 @@ class Certifier {
       }
     }
     stitching.rms = Rms(differences);
+    stitching.seams = input_.seams;
   }
 
   // Features test the map itself, so they carry the statement where there are any; the verdict needs every test.

@@ -32,6 +32,7 @@ struct CertifyInput {
   ControlNetwork network;
   std::vector<CertifiedBlock> blocks;
   std::vector<LocatedFeature> reference_features;
+  std::vector<SeamSummary> seams;
   std::optional<double> class_m;
   double centring_sigma_m = 0.005;  // of the platform over a check point, 1 sigma per axis
 };

@@ -30,6 +30,7 @@ survey::Certificate Example() {
   for (survey::LocatedFeature& feature : features)
     feature.position_in_site += Eigen::Vector2d(0.01, 0.1 / 3.0 * feature.position_in_site.x());
   input.blocks = {{"B1", solution, features}, {"B2", solution, input.reference_features}};
+  input.seams = {{.block_a = "B1", .block_b = "B2", .overlap_area_m2 = 12.5, .num_windows = 1, .rms = 0.01}};
   return survey::Certify(input);
 }
 
@@ -68,10 +69,10 @@ TEST(CertificateFileTest, RefusesOtherFiles) {
     EXPECT_THROW(formats::ReadCertificate(scratch / "a.json"), formats::DataError) << content;
   };
   refused("");
-  refused("{\"format\": \"plumbline cert");
+  refused("{\"format\": \"plumbline-cert");
   refused("[1, 2]");
-  refused(R"({"format": "plumbline certificate", "version": 99})");
-  refused(R"({"format": "plumbline certificate", "version": 1, "site": 7})");
+  refused(R"({"format": "plumbline-certificate", "format_version": 99})");
+  refused(R"({"format": "plumbline-certificate", "format_version": 1, "site": 7})");
 }
 
 }  // namespace

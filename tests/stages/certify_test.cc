@@ -77,6 +77,21 @@ TEST_F(CertifyStageTest, TestsTheCheckPoints) {
   EXPECT_NE(result.err.find("check points: RMSE_H 12.6 mm (n = 5); class met"), std::string::npos) << result.err;
 }
 
+TEST_F(CertifyStageTest, RepeatsTheSeams) {
+  const std::string seams = R"({"format": "plumbline-seams", "format_version": 1, "seams": [{"blocks": ["B1", "B2"],
+      "overlap_area_m2": 80.5, "contradicted_shares": [0.01, 0.02], "rms_m": null, "patches": [{}, {}]}],
+      "provenance": )" + formats::ToJson(kProvenance).dump() +
+                            "}";
+  formats::WriteFileAtomically(scratch_ / "seams.json", seams);
+  const CommandResult result = Run({"--seams", "seams.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  ASSERT_EQ(Certificate().stitching.seams.size(), 1U);
+  EXPECT_EQ(Certificate().stitching.seams[0].num_windows, 2);
+  EXPECT_EQ(Certificate().stitching.seams[0].contradicted_share, 0.02);
+  formats::WriteFileAtomically(scratch_ / "seams.json", seams.substr(0, 60));
+  EXPECT_EQ(Run({"--seams", "seams.json"}).status, 1);
+}
+
 TEST_F(CertifyStageTest, AClassThatIsNotMetIsAVerdictNotAFailure) {
   const CommandResult result = Run({"--accuracy-class-m", "0.005"});
   EXPECT_EQ(result.status, 0);

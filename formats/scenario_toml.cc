@@ -62,6 +62,10 @@ void ReadBuilding(TomlSection* root, survey::Scenario* scenario) {
     survey::ParkingRow row{
         .name = section.RequiredText("name"), .from = section.RequiredPoint("from"), .to = section.RequiredPoint("to")};
     if (!rows.insert(row.name).second) section.Fail("name = \"" + row.name + "\": there is another row of this name");
+    section.Point("step", &row.step);
+    section.Integer("columns", &row.columns, {1, 600});
+    section.Integer("rows", &row.rows, {1, 600});
+    section.Texts("without", &row.without);
     section.Number("stall-width-m", &row.stall_width_m, {2.0, 5.0});
     section.Number("occupancy", &row.occupancy, {0.0, 1.0});
     section.Finish();

@@ -76,14 +76,23 @@ bool Overlap(const Quad& a, const Quad& b) {
   return true;
 }
 
+// A1, B1, ..., Z1, AA1, ..., A2: column letters as in a spreadsheet, rows from 1.
+std::string GridName(int column, int row) {
+  std::string name;
+  if (column >= 26) name += static_cast<char>('A' + column / 26 - 1);
+  name += static_cast<char>('A' + column % 26);
+  return name + std::to_string(row + 1);
+}
+
+bool Contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 void AddGrid(const PillarGrid& grid, std::vector<Pillar>* pillars) {
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      std::string name = grid.prefix;
-      if (column >= 26) name += static_cast<char>('A' + column / 26 - 1);
-      name += static_cast<char>('A' + column % 26);
-      name += std::to_string(row + 1);
-      if (std::find(grid.without.begin(), grid.without.end(), name) != grid.without.end()) continue;
+      const std::string name = grid.prefix + GridName(column, row);
+      if (Contains(grid.without, name)) continue;
       const Vector2d centre = grid.first + Vector2d(column * grid.step.x(), row * grid.step.y());
       pillars->push_back({.name = name, .centre = centre, .size_m = grid.size_m, .round = grid.round});
     }
@@ -93,8 +102,8 @@ void AddGrid(const PillarGrid& grid, std::vector<Pillar>* pillars) {
 Quad OutlineOf(const Car& car) { return Box(car.centre, Unit(car.heading_rad), car.length_m / 2, car.width_m / 2); }
 
 // Each stall draws the same numbers whether or not its neighbours are taken.
-void AddRow(const ParkingRow& row, std::uint64_t seed, const std::vector<Quad>& obstacles, std::vector<Car>* cars) {
-  const RandomStream random(seed, static_cast<std::uint32_t>(SimulationPurpose::kParking), StreamOfName(row.name));
+void AddLineOfCars(const ParkingRow& row, const Vector2d& shift, const RandomStream& random,
+                   const std::vector<Quad>& obstacles, std::vector<Car>* cars) {
   const double length = (row.to - row.from).norm();
   const Vector2d along = (row.to - row.from) / length;
   const auto num_stalls = static_cast<std::uint64_t>(std::floor(length / row.stall_width_m + 1e-6));
@@ -107,13 +116,25 @@ void AddRow(const ParkingRow& row, std::uint64_t seed, const std::vector<Quad>& 
     car.length_m = 4.0 + 0.8 * length_part;
     car.width_m = 1.68 + 0.22 * width_part;
     const double across = std::clamp(0.15 * shift_across, -0.3, 0.3) * (kStallDepth - car.length_m);
-    car.centre = row.from + (static_cast<double>(stall) + 0.5) * row.stall_width_m * along +
+    car.centre = row.from + shift + (static_cast<double>(stall) + 0.5) * row.stall_width_m * along +
                  std::clamp(0.06 * shift_along, -0.12, 0.12) * along + across * Left(along);
     const double crooked = std::clamp(0.015 * random.Normal(4 * stall + 3), -0.03, 0.03);
     car.heading_rad = std::atan2(along.y(), along.x()) + (backwards < 0.5 ? -0.5 : 0.5) * std::numbers::pi + crooked;
     const Quad outline = OutlineOf(car);
     if (std::none_of(obstacles.begin(), obstacles.end(), [&](const Quad& o) { return Overlap(outline, o); }))
       cars->push_back(car);
+  }
+}
+
+void AddRow(const ParkingRow& row, std::uint64_t seed, const std::vector<Quad>& obstacles, std::vector<Car>* cars) {
+  for (int j = 0; j < row.rows; ++j) {
+    for (int i = 0; i < row.columns; ++i) {
+      const std::string name = GridName(i, j);
+      if (Contains(row.without, name)) continue;
+      const RandomStream random(seed, static_cast<std::uint32_t>(SimulationPurpose::kParking),
+                                StreamOfName(row.name + " " + name));
+      AddLineOfCars(row, {i * row.step.x(), j * row.step.y()}, random, obstacles, cars);
+    }
   }
 }
 

@@ -57,14 +57,18 @@ struct Car {
   double width_m = 1.8;
 };
 
-// Stalls side by side along the line, each taken with a probability by a car across the line. Cars that would touch a
-// wall or a pillar are left out.
+// Stalls side by side along a line, each taken with a probability by a car across the line; cars that would touch a
+// wall or a pillar are left out. The line may be repeated in columns and rows, named as in a PillarGrid.
 struct ParkingRow {
-  std::string name;  // names the row's random numbers
+  std::string name;  // names the random numbers, together with the column and row
   Eigen::Vector2d from = Eigen::Vector2d::Zero();
   Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  Eigen::Vector2d step = Eigen::Vector2d::Zero();
+  int columns = 1;
+  int rows = 1;
   double stall_width_m = 2.7;
   double occupancy = 0.6;
+  std::vector<std::string> without;  // lines left out
 };
 
 // Somebody who walks to and fro along a path.

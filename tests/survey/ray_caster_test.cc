@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -107,6 +108,34 @@ TEST(RayCaster, AgreesWithAllShapesTriedOneByOne) {
     }
   }
   EXPECT_GT(with_panes, 500);
+}
+
+TEST(FloorPlan, RepeatedRowsDrawTheirOwnCars) {
+  Scenario scenario;
+  scenario.parking_rows.push_back({.name = "row",
+                                   .from = {0.0, 0.0},
+                                   .to = {27.0, 0.0},
+                                   .step = {30.0, 20.0},
+                                   .columns = 3,
+                                   .rows = 2,
+                                   .occupancy = 0.5,
+                                   .without = {"B1"}});
+  const std::vector<Car> cars = BuildFloorPlan(scenario).cars;
+  const auto count = [&](double x, double y) {
+    return std::count_if(cars.begin(), cars.end(), [&](const Car& car) {
+      return car.centre.x() > x && car.centre.x() < x + 30.0 && std::abs(car.centre.y() - y) < 2.0;
+    });
+  };
+  EXPECT_EQ(count(30.0, 0.0), 0);
+  EXPECT_GT(count(0.0, 0.0), 0);
+  EXPECT_GT(count(60.0, 20.0), 0);
+  EXPECT_GT(cars.size(), 10U);
+  EXPECT_LT(cars.size(), 40U);
+  // The same stall of another line is another draw.
+  std::vector<double> lengths;
+  for (const Car& car : cars) lengths.push_back(car.length_m);
+  std::sort(lengths.begin(), lengths.end());
+  EXPECT_EQ(std::adjacent_find(lengths.begin(), lengths.end()), lengths.end());
 }
 
 TEST(FloorPlan, CornersAndCarsThatWouldTouchAPillar) {

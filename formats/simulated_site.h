@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `simulate` writes beside the blocks' field data (README.md, "Simulated site"): the surveyors' lists, the
+// What `simulate` writes beside the blocks' field data (examples/parking-garage/README.md lists the files): the surveyors' lists, the
 // terrestrial scanner's cloud and the exact truth. Site frame; x east, y north.
 #pragma once
 

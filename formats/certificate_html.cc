@@ -49,24 +49,23 @@ class StatisticsTable {
   explicit StatisticsTable(const Certificate& c) : features_(c.features_test), points_(c.points_test) {}
 
   std::string Text() {
-    Row("distinct checks n (errors)", [](const AccuracyTest& t) {
+    Row("checks n (errors)", [](const AccuracyTest& t) {
       return std::to_string(t.statistics.num_points) + " (" + std::to_string(t.statistics.num_errors) + ")";
     });
-    Number("RMSE<sub>H1</sub>, map against checks", [](const ErrorStatistics& s) { return Mm(s.rmse); });
-    Number("RMSE<sub>H2</sub>, of the checks themselves", [](const ErrorStatistics& s) { return Mm(s.rmse_survey); });
+    Number("RMSE<sub>H1</sub>, map &minus; check", [](const ErrorStatistics& s) { return Mm(s.rmse); });
+    Number("RMSE<sub>H2</sub>, of the checks", [](const ErrorStatistics& s) { return Mm(s.rmse_survey); });
     Number("<b>RMSE<sub>H</sub> = &radic;(H1&sup2; + H2&sup2;)</b> [1]",
            [](const ErrorStatistics& s) { return "<b>" + Mm(s.rmse_product) + "</b>"; });
     Number("RMSE east / north",
            [](const ErrorStatistics& s) { return Mm(s.rmse_by_axis.x()) + " / " + Mm(s.rmse_by_axis.y()); });
-    Number("RMSE<sub>H1</sub>, 95 % confidence interval", [](const ErrorStatistics& s) {
+    Number("RMSE<sub>H1</sub>, 95 % interval", [](const ErrorStatistics& s) {
       return s.rmse_bounds_95 ? Mm(s.rmse_bounds_95->low) + " to " + Mm(s.rmse_bounds_95->high) : kDash;
     });
-    Number("RMSE<sub>H</sub>, one-sided 95 % upper bound",
-           [](const ErrorStatistics& s) { return Mm(s.rmse_product_upper_95); });
+    Number("RMSE<sub>H</sub>, upper 95 % bound", [](const ErrorStatistics& s) { return Mm(s.rmse_product_upper_95); });
     Number("95 % circle CE95, exact", [](const ErrorStatistics& s) { return Mm(s.ce95); });
-    Number("95 % circle, NSSDA 1.7308 RMSE<sub>H1</sub> [2]", [](const ErrorStatistics& s) { return Mm(s.nssda_95); });
+    Number("95 % circle, NSSDA [2]", [](const ErrorStatistics& s) { return Mm(s.nssda_95); });
     Number("mean error east / north", [](const ErrorStatistics& s) { return Mm(s.mean.x()) + " / " + Mm(s.mean.y()); });
-    Number("bias test, probability without bias",
+    Number("bias test, p",
            [](const ErrorStatistics& s) { return s.bias ? Fixed(s.bias->p_value, 3) : std::string(kDash); });
     Number("NMAD east / north (robust)",
            [](const ErrorStatistics& s) { return s.nmad ? Mm(s.nmad->x()) + " / " + Mm(s.nmad->y()) : kDash; });
@@ -94,12 +93,11 @@ class StatisticsTable {
   void Verdicts() {
     using survey::ClassVerdict;
     Verdict("meets the class", [](const ClassVerdict& v) { return v.meets ? "yes" : "no"; });
-    Verdict("demonstrated at 95 % confidence", [](const ClassVerdict& v) { return v.demonstrated ? "yes" : "no"; });
-    Verdict("mean within 25 % of the class per axis [1]",
-            [](const ClassVerdict& v) { return v.bias_within ? "yes" : "no"; });
-    Verdict("errors beyond 3 times the class per axis [1]",
+    Verdict("demonstrated at 95 %", [](const ClassVerdict& v) { return v.demonstrated ? "yes" : "no"; });
+    Verdict("mean &lt; 25 % of class per axis [1]", [](const ClassVerdict& v) { return v.bias_within ? "yes" : "no"; });
+    Verdict("errors &gt; 3 &times; class per axis [1]",
             [](const ClassVerdict& v) { return std::to_string(v.blunders.size()); });
-    Verdict("checks beyond 1.7308 times the class; largest rate not excluded (95 %)", [](const ClassVerdict& v) {
+    Verdict("checks &gt; 1.7308 &times; class; rate below (95 %)", [](const ClassVerdict& v) {
       return std::to_string(v.num_beyond_95) + "; " + Fixed(100 * v.largest_rate_beyond_95, 0) + " %";
     });
   }
@@ -162,8 +160,9 @@ std::string StatementSection(const Certificate& c) {
   html += "<div class=\"verdicts\">" +
           YesNo(c.statement.meets, "Meets the class RMSE<sub>H</sub> " + Fixed(*c.class_m * 100, 1) + " cm?") +
           YesNo(c.statement.demonstrated, "Demonstrated at 95 % confidence?") + "</div>\n";
-  return html + P("Two claims: the first compares the RMSE<sub>H</sub> that was found; the second asks whether so few "
-                  "checks prove it. Each must hold for check features and for check points, where there are any.",
+  return html + P("Two claims: the RMSE<sub>H</sub> found is within the class; the checks are enough to prove it. Each "
+                  "must hold "
+                  "for check features and for check points, where there are any.",
                   "note");
 }
 
@@ -177,20 +176,21 @@ std::string NotTestedSection(const Certificate& c) {
   return H2("What was not tested") + "<ul>" + items + "</ul>\n";
 }
 
-std::string FiguresSection(const CertificatePage& page) {
-  const Certificate& c = page.certificate;
-  std::string html = H2("Errors and residuals on the map") +
-                     Figure(ResidualMapSvg(page), c.tied ? "Red: errors at checks that the adjustment never saw. Blue: "
-                                                           "residuals at control that it used."
-                                                         : "Map in the block's local frame, not tied to control.");
-  if (!c.checks.empty()) {
-    html += "<div class=\"pair\">" +
-            Figure(ErrorScatterSvg(c),
-                   "Errors of the checks. Squares: features; circles: "
-                   "points; filled: beyond the blunder limit.") +
-            "<div><h3>Tested accuracy</h3>" + StatisticsTable(c).Text() + "</div></div>\n";
-  }
-  return html;
+std::string TestedSection(const Certificate& c) {
+  if (c.checks.empty()) return "";
+  return H2("Tested accuracy") + "<div class=\"pair\">" +
+         Figure(ErrorScatterSvg(c),
+                "Errors of the checks. Squares: features; circles: points; filled: beyond the "
+                "blunder limit.") +
+         "<div>" + StatisticsTable(c).Text() + "</div></div>\n";
+}
+
+std::string MapSection(const CertificatePage& page) {
+  const std::string caption = page.certificate.tied
+                                  ? "Red: errors at checks that the adjustment never saw. Blue: residuals at control "
+                                    "that it used."
+                                  : "Map in the block's local frame, not tied to control.";
+  return H2("Errors and residuals on the map") + Figure(ResidualMapSvg(page), caption);
 }
 
 std::string ChecksSection(const Certificate& c) {
@@ -209,7 +209,7 @@ std::string ChecksSection(const Certificate& c) {
   return H2("Checks (tested)") +
          P("d = map &minus; check, mm. &sigma; check: survey of the check and its picking or centring, both axes. "
            "Flagged (!) errors exceed 3 class/&radic;2 in an axis: they stay in all numbers.",
-           "note") +
+           "note lead") +
          table.Text();
 }
 
@@ -284,7 +284,7 @@ std::string FitSection(const Certificate& c) {
          P("These residuals are <b>not an accuracy</b>: the adjustment was told these coordinates. Before: after a "
            "rigid "
            "fit of the whole block; after: adjusted; mm.",
-           "note") +
+           "note lead") +
          table.Text();
 }
 
@@ -359,7 +359,8 @@ std::string ProvenanceSection(const Provenance& provenance) {
     return std::make_tuple(a.block == "site", a.block, a.rank) < std::make_tuple(b.block == "site", b.block, b.rank);
   });
   HtmlTable chain({"block", "stage", "record", "made from"}, 4);
-  HtmlTable options({"block", "stage", "options"}, 3);
+  std::vector<std::pair<std::string, std::string>> option_rows;  // stage and options; blocks that share them
+  std::map<std::pair<std::string, std::string>, std::string> blocks_of_options;
   for (const Entry& entry : entries) {
     chain.Row({Escaped(entry.block), Escaped(entry.record->stage) + " " + Escaped(entry.record->version),
                "<code>" + entry.record->Id().substr(0, 12) + "</code>", InputsText(*entry.record)});
@@ -367,12 +368,19 @@ std::string ProvenanceSection(const Provenance& provenance) {
     for (const auto& [key, value] : entry.record->options) {
       text += (text.empty() ? "" : ", ") + Escaped(key) + " = " + (value.empty() ? "\"\"" : Escaped(value));
     }
-    if (!text.empty()) options.Row({Escaped(entry.block), Escaped(entry.record->stage), text});
+    if (text.empty()) continue;
+    std::string& sharing = blocks_of_options[{entry.record->stage, text}];
+    if (sharing.empty()) option_rows.emplace_back(entry.record->stage, text);
+    if ((", " + sharing + ",").find(", " + entry.block + ",") == std::string::npos) {
+      sharing += (sharing.empty() ? "" : ", ") + entry.block;
+    }
   }
+  HtmlTable options({"block", "stage", "options"}, 3);
+  for (const auto& row : option_rows) options.Row({Escaped(blocks_of_options[row]), Escaped(row.first), row.second});
   return H2("Provenance") +
          P("From the raw logs to the delivered map. A record names what a stage read, by content; the same inputs, "
            "options and version give the same bytes.",
-           "note") +
+           "note lead") +
          "<div class=\"small\">" + chain.Text() + "<h3>Options in effect</h3>" + options.Text() + "</div>\n";
 }
 
@@ -395,8 +403,9 @@ std::string CertificateHtml(const CertificatePage& page) {
   const Certificate& c = page.certificate;
   std::string html = Head(page) + StatementSection(c);
   if (c.tied) html += SignatureSection();
-  html += NotTestedSection(c) + FiguresSection(page) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) +
-          FitSection(c) + ControlListSection(c) + ProvenanceSection(page.provenance);
+  html += TestedSection(c) + NotTestedSection(c);
+  html += MapSection(page) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) + FitSection(c) +
+          ControlListSection(c) + ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();
   return html + "</body></html>\n";
 }

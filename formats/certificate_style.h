@@ -5,20 +5,21 @@ namespace formats {
 
 // For A4 on paper and a column of the same width on screen.
 inline constexpr const char* kCertificateStyle = R"css(
-@page { size: A4; margin: 16mm 15mm; }
+@page { size: A4; margin: 14mm 15mm; }
 * { box-sizing: border-box; }
 body { font: 10pt/1.4 "Liberation Sans", Arial, Helvetica, sans-serif; color: #1c1c1c; max-width: 180mm; margin: 8mm auto;
   padding: 0 2mm; }
 header { display: flex; justify-content: space-between; align-items: flex-end; border-bottom: 2.5pt solid #1f3c5c;
   margin-bottom: 4mm; }
 h1 { font-size: 21pt; font-weight: 600; margin: 0; color: #1f3c5c; }
-h2 { font-size: 12.5pt; color: #1f3c5c; border-bottom: .5pt solid #b8c4d0; margin: 7mm 0 2mm; padding-bottom: 1mm;
+h2 { font-size: 12.5pt; color: #1f3c5c; border-bottom: .5pt solid #b8c4d0; margin: 6mm 0 2mm; padding-bottom: 1mm;
   break-after: avoid; }
 h3 { font-size: 10.5pt; margin: 2mm 0 1mm; break-after: avoid; }
 p { margin: 1.5mm 0; }
 .site { font-size: 12pt; margin: 0 0 2mm; }
 .maker { color: #667; font-size: 9pt; padding-bottom: 2mm; }
 .note { color: #555; font-size: 8.5pt; }
+.lead { break-after: avoid; }
 .red { color: #b3141b; }
 .untied { background: #b3141b; color: white; font-weight: 600; padding: 3mm 4mm; margin: 3mm 0; }
 blockquote { margin: 2mm 0; padding: 2mm 4mm; border-left: 3pt solid #1f3c5c; background: #f3f6f9; }
@@ -26,24 +27,29 @@ table { border-collapse: collapse; width: 100%; font-size: 8.5pt; margin: 1.5mm 
 th { text-align: left; font-weight: 600; color: #333; border-bottom: 1pt solid #8a97a5; padding: 1mm 1.5mm;
   vertical-align: bottom; }
 td { border-bottom: .4pt solid #d9dfe5; padding: .7mm 1.5mm; vertical-align: top; }
-tr { break-inside: avoid; }
+tr, .short { break-inside: avoid; }
+td code { white-space: nowrap; }
+.small td code { white-space: normal; }
 thead { display: table-header-group; }
 .num { text-align: right; font-variant-numeric: tabular-nums; }
 .flag td { background: #fbe9e9; }
-.verdicts { display: flex; gap: 4mm; margin: 3mm 0; }
+.verdicts { display: flex; gap: 4mm; margin: 2mm 0; }
 .verdict { flex: 1; border: 1pt solid; padding: 2mm 4mm; display: flex; justify-content: space-between;
   align-items: center; gap: 3mm; }
 .verdict b { font-size: 15pt; text-transform: uppercase; white-space: nowrap; }
 .good { border-color: #2c7a2c; background: #eef7ee; color: #1d5a1d; }
 .bad { border-color: #b3141b; background: #fbeeee; color: #b3141b; }
 .open { border-color: #8a97a5; background: #f4f5f6; color: #555; }
-.signature { display: flex; gap: 8mm; margin: 16mm 0 4mm; }
+.signature { display: flex; gap: 8mm; margin: 11mm 0 3mm; break-inside: avoid; }
 .signature div { flex: 1; border-top: .7pt solid #333; font-size: 8pt; color: #555; padding-top: 1mm; }
 figure { margin: 2mm 0; break-inside: avoid; }
 figcaption { font-size: 8.5pt; color: #555; }
 svg { width: 100%; height: auto; display: block; font: 11px "Liberation Sans", Arial, sans-serif; }
 .halo { paint-order: stroke; stroke: white; stroke-width: 2.5px; stroke-linejoin: round; font-size: 10px; }
-.pair { display: grid; grid-template-columns: 41% 57%; gap: 2%; align-items: start; break-inside: avoid; }
+.pair { display: grid; grid-template-columns: 35% 63%; gap: 2%; align-items: start; break-inside: avoid; }
+.pair table { font-size: 7.8pt; line-height: 1.25; }
+.pair td { padding: .45mm 1.5mm; }
+@media print { body { margin: 0; padding: 0; max-width: none; } }
 .small table { font-size: 7.2pt; }
 code { font: 90% "Liberation Mono", monospace; overflow-wrap: anywhere; }
 ul { margin: 1mm 0; padding-left: 5mm; font-size: 9pt; }

@@ -5,6 +5,11 @@
 #include <cstdio>
 
 namespace formats {
+namespace {
+
+constexpr int kShortTable = 20;
+
+}  // namespace
 
 std::string Escaped(std::string_view text) {
   std::string escaped;
@@ -58,6 +63,7 @@ HtmlTable::HtmlTable(std::initializer_list<std::string> heads, std::size_t first
 
 void HtmlTable::Row(const std::vector<std::string>& cells, const std::string& row_class) {
   rows_ += (row_class.empty() ? "<tr>" : "<tr class=\"" + row_class + "\">") + Cells(cells, "td") + "</tr>\n";
+  ++num_rows_;
 }
 
 std::string HtmlTable::Cells(const std::vector<std::string>& cells, const std::string& tag) const {
@@ -68,6 +74,9 @@ std::string HtmlTable::Cells(const std::vector<std::string>& cells, const std::s
   return text;
 }
 
-std::string HtmlTable::Text() const { return "<table>" + head_ + "<tbody>\n" + rows_ + "</tbody></table>\n"; }
+std::string HtmlTable::Text() const {
+  return (num_rows_ <= kShortTable ? "<table class=\"short\">" : "<table>") + head_ + "<tbody>\n" + rows_ +
+         "</tbody></table>\n";
+}
 
 }  // namespace formats

@@ -15,7 +15,8 @@ std::string Fixed(double value, int decimals);  // "-0.00" prints as "0.00"
 std::string Millimetres(double metres);         // "12.3"
 std::string Base64(std::string_view bytes);
 
-// A table; cells are HTML already. Columns from `first_number` on are set right-aligned.
+// A table; cells are HTML already. Short ones are kept on one page. Columns from `first_number` on are set
+// right-aligned.
 class HtmlTable {
  public:
   HtmlTable(std::initializer_list<std::string> heads, std::size_t first_number);
@@ -28,6 +29,7 @@ class HtmlTable {
 
   std::string head_;
   std::string rows_;
+  int num_rows_ = 0;
   std::size_t first_number_;
 };
 

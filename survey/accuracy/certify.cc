@@ -238,6 +238,10 @@ class Certifier {
         list.push_back("Check feature " + feature.name + " was not found in the map of any tied block.");
       }
     }
+    if (certificate_.tied && certificate_.features_test.statistics.num_points == 0) {
+      list.push_back(
+          "No check feature was measured in the maps: check points test where the platform stood, not the walls.");
+    }
     list.push_back("Heights were not tested: the map is plane.");
   }
 

@@ -97,7 +97,7 @@ TEST(CertifyTest, NothingToTest) {
   EXPECT_EQ(c.statement.tested_on, "nothing");
   EXPECT_NE(c.statement.asprs.find("produced to meet"), std::string::npos);
   EXPECT_FALSE(c.statement.meets.has_value());
-  EXPECT_EQ(c.not_tested.size(), 6U);  // B1, B2, B3, K1, K2, heights
+  EXPECT_EQ(c.not_tested.size(), 7U);  // B1, B2, B3, K1, K2, walls, heights
 }
 
 TEST(CertifyTest, ListsWhatWasNotFound) {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cpl_error.h>
 #include <gdal_priv.h>
 
 #include <fstream>
-#include <memory>
 
 #include "formats/artefact_file.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/gdal_session.h"
 #include "formats/provenance.h"
 
 namespace formats {
@@ -33,12 +32,13 @@ Provenance FromText(const std::filesystem::path& file, const std::string& text) 
 }
 
 Provenance OfGeoTiff(const std::filesystem::path& file) {
-  GDALRegister_GTiff();
-  const CPLErrorHandlerPusher quiet(CPLQuietErrorHandler);
-  const std::unique_ptr<GDALDataset> dataset(GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
-  if (!dataset) throw DataError(file.string() + ": not a readable GeoTIFF: " + CPLGetLastErrorMsg());
-  const char* text = dataset->GetMetadataItem("PLUMBLINE_PROVENANCE");
-  if (!text) throw DataError(file.string() + ": a GeoTIFF without provenance: not one of Plumbline's");
+  const GdalSession session;
+  const char* const drivers[] = {"GTiff", nullptr};
+  const GDALDatasetUniquePtr data(
+      GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
+  if (!data) session.Throw(file, "cannot be read as GeoTIFF");
+  const char* text = data->GetMetadataItem("PLUMBLINE_PROVENANCE");
+  if (text == nullptr) throw DataError(file.string() + ": a GeoTIFF without provenance: not one of Plumbline's");
   return FromText(file, text);
 }
 

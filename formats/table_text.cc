@@ -107,8 +107,8 @@ void PrintTable(Database& database, const std::string& table, std::int64_t num_r
 void PrintTables(Database& database, std::ostream& out) {
   std::vector<std::pair<std::string, std::int64_t>> tables;
   Statement select = database.Prepare(
-      "SELECT end_marker.name, num_rows FROM end_marker JOIN sqlite_schema USING (name) WHERE end_marker.name <> "
-      "'provenance' ORDER BY sqlite_schema.rowid");
+      "SELECT m.name, m.num_rows FROM end_marker AS m JOIN sqlite_schema AS s ON s.name = m.name "
+      "WHERE m.name <> 'provenance' ORDER BY s.rowid");
   while (select.Step()) tables.emplace_back(select.Text(0), select.Integer(1));
   out << "\nrows";
   for (const auto& [table, num_rows] : tables)

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,9 @@ Provenance ProvenanceFromJson(const nlohmann::json& json);  // DataError when ma
 // What a file is by its first bytes. DataError when it cannot be read.
 enum class FileKind { kSqlite, kGeoTiff, kJson, kOther };
 FileKind KindOfFile(const std::filesystem::path& file);
+
+// As ReadProvenance; none for whole TIFF and JSON files without provenance, which are not Plumbline's.
+std::optional<Provenance> FindProvenance(const std::filesystem::path& file);
 
 // The provenance stored in an artefact of any kind (SQLite, GeoTIFF, JSON). DataError names the file when it has none.
 Provenance ReadProvenance(const std::filesystem::path& file);

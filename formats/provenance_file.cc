@@ -31,22 +31,21 @@ Provenance FromText(const std::filesystem::path& file, const std::string& text) 
   return ProvenanceFromJson(json);
 }
 
-Provenance OfGeoTiff(const std::filesystem::path& file) {
+std::optional<Provenance> OfGeoTiff(const std::filesystem::path& file) {
   const GdalSession session;
   const char* const drivers[] = {"GTiff", nullptr};
   const GDALDatasetUniquePtr data(
       GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
   if (!data) session.Throw(file, "cannot be read as GeoTIFF");
   const char* text = data->GetMetadataItem("PLUMBLINE_PROVENANCE");
-  if (text == nullptr) throw DataError(file.string() + ": a GeoTIFF without provenance: not one of Plumbline's");
+  if (text == nullptr) return std::nullopt;
   return FromText(file, text);
 }
 
-Provenance OfJson(const std::filesystem::path& file) {
+std::optional<Provenance> OfJson(const std::filesystem::path& file) {
   const nlohmann::json json = nlohmann::json::parse(ReadWholeFile(file), nullptr, false);
   if (json.is_discarded()) throw DataError(file.string() + ": not valid JSON (truncated?)");
-  if (!json.contains("provenance"))
-    throw DataError(file.string() + ": JSON without provenance: not one of Plumbline's");
+  if (!json.contains("provenance")) return std::nullopt;
   return ProvenanceFromJson(json.at("provenance"));
 }
 
@@ -64,7 +63,7 @@ FileKind KindOfFile(const std::filesystem::path& file) {
   return FileKind::kOther;
 }
 
-Provenance ReadProvenance(const std::filesystem::path& file) {
+std::optional<Provenance> FindProvenance(const std::filesystem::path& file) {
   try {
     switch (KindOfFile(file)) {
       case FileKind::kSqlite:
@@ -81,6 +80,12 @@ Provenance ReadProvenance(const std::filesystem::path& file) {
     throw DataError(message.starts_with(file.string()) ? message : file.string() + ": " + message);
   }
   throw DataError(file.string() + ": not an artefact (neither SQLite, GeoTIFF nor JSON; truncated?)");
+}
+
+Provenance ReadProvenance(const std::filesystem::path& file) {
+  std::optional<Provenance> provenance = FindProvenance(file);
+  if (!provenance) throw DataError(file.string() + ": has no provenance: not one of Plumbline's artefacts");
+  return *std::move(provenance);
 }
 
 }  // namespace formats

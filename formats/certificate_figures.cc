@@ -184,13 +184,18 @@ std::string NorthArrow(const Eigen::Vector2d& at) {
          Label(at + Eigen::Vector2d(0, 29), "N", "text-anchor=\"middle\" class=\"halo\"");
 }
 
+std::string SymbolLegend(double y) {
+  return Triangle({12, y}, 5, std::string("fill=\"") + kControlColour + "\"") +
+         Label({22, y + 4}, "control used, residual") + CheckSymbol(CheckKind::kPoint, {162, y}, false) +
+         Label({171, y + 4}, "check point, error") + CheckSymbol(CheckKind::kFeature, {288, y}, false) +
+         Label({297, y + 4}, "check feature, error");
+}
+
 std::string Legend(const CertificatePage& page, const View& view, double enlargement, double vector_m) {
   const double y = view.Size().y() + 16;
-  std::string svg = Triangle({12, y}, 5, std::string("fill=\"") + kControlColour + "\"");
-  svg += Label({22, y + 4}, "control used, residual");
-  svg += CheckSymbol(CheckKind::kPoint, {162, y}, false) + Label({171, y + 4}, "check point, error");
-  svg += CheckSymbol(CheckKind::kFeature, {288, y}, false) + Label({297, y + 4}, "check feature, error");
-  double x = 430;
+  const bool tied = page.certificate.tied;
+  std::string svg = tied ? SymbolLegend(y) : "";
+  double x = tied ? 430 : 8;
   for (std::size_t i = 0; i < page.trajectories.size() && x < 640; ++i) {
     svg += Line({x, y}, {x + 14, y}, "stroke=\"" + TrackColour(i) + "\" stroke-width=\"2\"");
     svg += Label({x + 18, y + 4}, page.trajectories[i].block);
@@ -221,7 +226,7 @@ std::string ResidualMapSvg(const CertificatePage& page) {
   }
   svg += Vectors(page.certificate, view, enlargement) + Symbols(page.certificate, view);
   svg += "<rect width=\"" + Px(size.x()) + "\" height=\"" + Px(size.y()) + "\" fill=\"none\" stroke=\"#999\"/>\n";
-  svg += NorthArrow({size.x() - 16, 10});
+  if (page.certificate.tied) svg += NorthArrow({size.x() - 16, 10});
   return svg + Legend(page, view, enlargement, longest > 0.0 ? RoundDown(longest) : 0.0) + "</svg>\n";
 }
 

@@ -190,7 +190,7 @@ std::string MapSection(const CertificatePage& page) {
                                   ? "Red: errors at checks that the adjustment never saw. Blue: residuals at control "
                                     "that it used."
                                   : "Map in the block's local frame, not tied to control.";
-  return H2("Errors and residuals on the map") + Figure(ResidualMapSvg(page), caption);
+  return H2(page.certificate.tied ? "Errors and residuals on the map" : "Map") + Figure(ResidualMapSvg(page), caption);
 }
 
 std::string ChecksSection(const Certificate& c) {

@@ -29,7 +29,7 @@ th { text-align: left; font-weight: 600; color: #333; border-bottom: 1pt solid #
 td { border-bottom: .4pt solid #d9dfe5; padding: .7mm 1.5mm; vertical-align: top; }
 tr, .short { break-inside: avoid; }
 td code { white-space: nowrap; }
-.small td code { white-space: normal; }
+.small td:nth-child(4) code { white-space: normal; }
 thead { display: table-header-group; }
 .num { text-align: right; font-variant-numeric: tabular-nums; }
 .flag td { background: #fbe9e9; }

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "survey/accuracy/certify.h"
+#include "survey/stats/philox.h"
 #include "tests/support/json_schema.h"
 #include "tests/support/scratch_folder.h"
 
@@ -59,6 +61,29 @@ TEST(CertificateFileTest, FollowsItsSchema) {
     EXPECT_EQ(test_support::SchemaViolation(schema, document), "");
     document["statement"].erase("asprs");
     EXPECT_NE(test_support::SchemaViolation(schema, document), "");
+  }
+}
+
+TEST(CertificateFileTest, DamagedFilesAreRefusedOrRead) {
+  const test_support::ScratchFolder scratch;
+  formats::WriteCertificate(scratch / "a.json", Example(), kProvenance);
+  const std::string whole = formats::ReadWholeFile(scratch / "a.json");
+  const survey::RandomStream random(6, 0, 0);
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    std::string text = whole;
+    const auto bits = random.Bits(i);
+    const std::size_t at = bits[0] % text.size();
+    if (bits[1] % 4 == 0) {
+      text.resize(at);
+    } else {
+      text[at] = "{}[],:\"9-null"[bits[2] % 13];
+    }
+    std::ofstream(scratch / "b.json", std::ios::binary) << text;
+    try {
+      formats::ReadCertificate(scratch / "b.json");
+    } catch (const formats::DataError& error) {
+      EXPECT_NE(std::string(error.what()).find("b.json"), std::string::npos) << error.what();
+    }
   }
 }
 

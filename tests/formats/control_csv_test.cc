@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "survey/stats/philox.h"
 #include "tests/support/scratch_folder.h"
 
 namespace {
@@ -140,6 +143,33 @@ TEST_F(ControlCsvTest, RepeatedPoints) {
                 "points.csv:3: point C1 is already in row 2 with other coordinates: there northing 1, easting 2, here "
                 "northing 1, easting 2.5");
   ExpectRefused(header + "C1,1,2,control\nC1,1,2,check\n", "as control, here it is check: a point has one role");
+}
+
+// Whatever is wrong with a file, it is the file's fault and said so.
+TEST_F(ControlCsvTest, DamagedFilesAreRefusedOrRead) {
+  const std::string whole =
+      "# list\npoint,northing,easting,elevation,sigma_n,sigma_e,description,role,reason\n"
+      "C1,5334000.5,690000.25,510,0.002,0.002,\"a "
+      "\"\"bolt\"\"\",control,\nX,5334010,690010,,1e-3,2e-3,,excluded,lost\n";
+  const survey::RandomStream random(5, 0, 0);
+  int read = 0;
+  for (std::uint64_t i = 0; i < 800; ++i) {
+    std::string text = whole;
+    for (std::uint64_t k = 0; k < 3; ++k) {
+      const auto bits = random.Bits(3 * i + k);
+      const std::size_t at = bits[0] % text.size();
+      if (bits[1] % 4 == 0) text.resize(at + 1);
+      text[at] = bits[1] % 3 == 0 ? ",\"\n#;.-e"[bits[2] % 8] : static_cast<char>(bits[2]);
+    }
+    try {
+      std::ofstream(scratch_ / "points.csv", std::ios::binary) << text;
+      formats::ReadControlCsv(scratch_ / "points.csv", {.order = "pnezd"});
+      ++read;
+    } catch (const formats::DataError& error) {
+      EXPECT_NE(std::string(error.what()).find("points.csv"), std::string::npos);
+    }
+  }
+  EXPECT_GT(read, 0);
 }
 
 TEST_F(ControlCsvTest, AcceptsOtherEncodings) {

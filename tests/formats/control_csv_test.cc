@@ -153,7 +153,7 @@ TEST_F(ControlCsvTest, DamagedFilesAreRefusedOrRead) {
       "\"\"bolt\"\"\",control,\nX,5334010,690010,,1e-3,2e-3,,excluded,lost\n";
   const survey::RandomStream random(5, 0, 0);
   int read = 0;
-  for (std::uint64_t i = 0; i < 800; ++i) {
+  for (std::uint64_t i = 0; i < 300; ++i) {
     std::string text = whole;
     for (std::uint64_t k = 0; k < 3; ++k) {
       const auto bits = random.Bits(3 * i + k);

@@ -259,10 +259,10 @@ class Planner {
     const double angle = NormalizeAngle(next.heading - yaw_);
     if (std::abs(angle) < 1e-3) return;
     const SpeedProfile profile = ProfileOfTurn(std::abs(angle), scenario_.cart);
+    const double from = yaw_;
     Append(profile.Duration(), [&](double time) {
-      return Pose2{next.position.x(), next.position.y(), std::copysign(profile.DistanceAt(time), angle) + yaw_};
+      return Pose2{next.position.x(), next.position.y(), from + std::copysign(profile.DistanceAt(time), angle)};
     });
-    yaw_ += angle;
   }
 
   void Hold(const PathPoint& place, double duration) {

@@ -93,6 +93,19 @@ TEST(Route, KeepsTheCartsLimits) {
   EXPECT_LT(plan.length_m, 44.0);
 }
 
+TEST(Route, TurnsOnTheSpotNoFasterThanTheCartCan) {
+  Scenario scenario = test_support::RoomScenario();
+  scenario.blocks.front().waypoints = {
+      {{12.0, 4.0}, "A"}, {{12.0, 10.0}, "B"}, {{12.0, 4.0}, "A"}, {{12.0, 10.0}, "B"}, {{12.0, 4.0}, "A"}};
+  const RoutePlan plan = PlanFirst(scenario);
+  ASSERT_TRUE(plan.trajectory) << plan.problem;
+  double turning = 0.0;
+  for (double t = plan.trajectory->start_s(); t < plan.trajectory->end_s(); t += 0.01) {
+    turning = std::max(turning, std::abs(plan.trajectory->At(t).first[3]));
+  }
+  EXPECT_LE(turning, 1.01 * scenario.cart.turn_rate_rad_s);
+}
+
 TEST(Route, StandsStillOverThePointsWithinTheCentringError) {
   Scenario scenario = test_support::RoomScenario();
   // Twenty visits of each point.
@@ -130,7 +143,7 @@ TEST(Route, TheWayThroughAWallIsRefused) {
 
 TEST(Route, SharpTurnsAndRepeatedPlacesAreRefused) {
   Scenario scenario = test_support::RoomScenario();
-  scenario.blocks.front().waypoints = {{{4.0, 4.0}, ""}, {{12.0, 4.0}, ""}, {{5.0, 4.1}, ""}};
+  scenario.blocks.front().waypoints = {{{4.0, 4.0}, ""}, {{12.0, 4.0}, "A"}, {{5.0, 4.1}, ""}};
   EXPECT_EQ(PlanFirst(scenario).problem_waypoint, 2);
   scenario.blocks.front().waypoints = {{{4.0, 4.0}, ""}, {{4.0, 4.05}, ""}, {{5.0, 9.1}, ""}};
   EXPECT_EQ(PlanFirst(scenario).problem_waypoint, 2);

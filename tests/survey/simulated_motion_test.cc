@@ -143,7 +143,7 @@ TEST(Route, TheWayThroughAWallIsRefused) {
 
 TEST(Route, SharpTurnsAndRepeatedPlacesAreRefused) {
   Scenario scenario = test_support::RoomScenario();
-  scenario.blocks.front().waypoints = {{{4.0, 4.0}, ""}, {{12.0, 4.0}, "A"}, {{5.0, 4.1}, ""}};
+  scenario.blocks.front().waypoints = {{{4.0, 4.0}, ""}, {{12.0, 4.0}, ""}, {{5.0, 4.1}, ""}};
   EXPECT_EQ(PlanFirst(scenario).problem_waypoint, 2);
   scenario.blocks.front().waypoints = {{{4.0, 4.0}, ""}, {{4.0, 4.05}, ""}, {{5.0, 9.1}, ""}};
   EXPECT_EQ(PlanFirst(scenario).problem_waypoint, 2);

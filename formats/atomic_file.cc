@@ -44,6 +44,15 @@ bool SameContent(const fs::path& a, const fs::path& b) {
 // Temporaries are named .tmp-PID-NAME: the prefix hides them from wildcards, the name keeps the extension.
 constexpr std::string_view kPrefix = ".tmp-";
 
+// A killed process that nobody has waited for yet (state Z) is still listed in /proc.
+bool Runs(const std::string& pid) {
+  std::ifstream stat("/proc/" + pid + "/stat");
+  std::string text;
+  if (!std::getline(stat, text)) return false;
+  const std::size_t name_end = text.rfind(')');
+  return name_end == std::string::npos || text.compare(name_end, 3, ") Z") != 0;
+}
+
 void RemoveLeftovers(const fs::path& target) {
   const std::string suffix = "-" + target.filename().string();
   std::error_code error;
@@ -54,7 +63,7 @@ void RemoveLeftovers(const fs::path& target) {
     if (pid_end == std::string::npos || name.compare(pid_end, suffix.size(), suffix) != 0) continue;
     // Also what a library left beside the temporary (SQLite's journal).
     const std::string pid = name.substr(kPrefix.size(), pid_end - kPrefix.size());
-    if (pid.find_first_not_of("0123456789") != std::string::npos || fs::exists("/proc/" + pid)) continue;
+    if (pid.find_first_not_of("0123456789") != std::string::npos || Runs(pid)) continue;
     fs::remove(entry.path(), error);
   }
 }

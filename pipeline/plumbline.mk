@@ -121,7 +121,7 @@ site-map := $(if $(site-blocks),out/site.tif)
 picture-of = $(1).png $(1).pgw $(1).png.aux.xml
 
 $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(blocks),solution.sqlite),\
-  $(if $(site-map),$(site-map) $(call picture-of,out/site) out/ros/map.yaml out/ros/map.pgm)\
+  $(if $(site-map),$(site-map) $(call picture-of,out/site) $(addprefix out/ros/,map.yaml map_local.yaml map.pgm))\
   $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 

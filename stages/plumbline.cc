@@ -94,6 +94,11 @@ bool Parse(CLI::App& app, Arguments arguments) {
   }
 }
 
+pipeline::GraphStages AskStagesOfGraph(const fs::path& cache) {
+  const fs::path graph = GraphFile();
+  return AskStages(ListInGraph(graph, "plumbline.block-stages"), ListInGraph(graph, "plumbline.site-stages"), cache);
+}
+
 int New(const Arguments& arguments) {
   pipeline::NewSite request;
   std::vector<std::string> blocks;
@@ -111,9 +116,7 @@ int New(const Arguments& arguments) {
   if (!Parse(app, arguments)) return 0;
   for (const std::string& block : blocks) request.blocks.push_back(pipeline::BlockFromText(block));
 
-  const fs::path graph = GraphFile();
-  const pipeline::GraphStages stages =
-      AskStages(ListInGraph(graph, "plumbline.block-stages"), ListInGraph(graph, "plumbline.site-stages"), {});
+  const pipeline::GraphStages stages = AskStagesOfGraph({});
   for (const std::string& remark : pipeline::MakeSite(request, stages)) std::cerr << "plumbline: " << remark << "\n";
   std::cerr << "plumbline: made " << request.site.string() << "; go on with: plumbline run " << request.site.string()
             << "\n";
@@ -165,6 +168,8 @@ int Run(const Arguments& arguments) {
   app.footer("Example:\n  plumbline run office -j 2 out/site.tif");
   if (!Parse(app, arguments)) return 0;
   CheckIsSite(site);
+  // make will do this too; done here first, a mistake in the site's files is told without make's own words.
+  pipeline::ConfigureSite(site, AskStagesOfGraph(site / "work" / ".programs"));
 
   PutOwnFolderFirstOnPath();
   if (jobs > 1 && std::getenv("PLUMBLINE_THREADS") == nullptr) {

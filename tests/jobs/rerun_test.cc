@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// After each kind of change exactly the stages run that depend on it.
+#include <gtest/gtest.h>
+
+#include "formats/atomic_file.h"
+#include "tests/support/job_site.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using test_support::AppendToFile;
+using test_support::Differences;
+using test_support::JobSite;
+using test_support::ReplaceInFile;
+
+using Stages = std::vector<std::string>;
+
+class RerunTest : public testing::Test {
+ protected:
+  JobSite site_ = JobSite::Processed();
+};
+
+TEST_F(RerunTest, FirstRunDoesEverythingSecondIsSilent) {
+  fs::remove_all(site_ / "work");
+  EXPECT_EQ(site_.StagesOfRun(),
+            (Stages{"A adjust", "A edit", "A grid", "A ingest", "A loops", "A track", "B adjust", "B edit", "B grid",
+                    "B ingest", "B loops", "B track", "certify", "network", "report", "stitch"}));
+  const test_support::CommandResult second = site_.Run();
+  EXPECT_EQ(second.status, 0);
+  EXPECT_EQ(second.out, "");
+  EXPECT_EQ(second.err, "");
+}
+
+TEST_F(RerunTest, ControlChanges) {
+  const fs::path points = site_ / "control/points.csv";
+  AppendToFile(points, "# looked over on Friday\n");
+  EXPECT_EQ(site_.StagesOfRun(), Stages{"network"});
+
+  ReplaceInFile(points, "1,5600201.9973,", "1,5600201.9953,");  // block B has not seen point 1
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "stitch"}));
+
+  // An older version is put back with its old time stamp.
+  ReplaceInFile(points, "1,5600201.9953,", "1,5600201.9973,");
+  fs::last_write_time(points, fs::file_time_type::clock::now() - std::chrono::hours(1000));
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "stitch"}));
+
+  ReplaceInFile(points, "5600208.0000,500102.0004", "5600208.0000,500102.0024");  // a check point
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report"}));
+}
+
+TEST_F(RerunTest, OptionsOfOneStage) {
+  ReplaceInFile(site_ / "site.toml", "# seam-window-m = 8 ", "seam-window-m = 7");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "report", "stitch"}));
+
+  AppendToFile(site_ / "blocks/A/block.toml", "[grid]\nmax-range-m = 25\n");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "A grid", "certify", "report", "stitch"}));
+
+  AppendToFile(site_ / "site.toml", "# a remark\n");
+  EXPECT_EQ(site_.StagesOfRun(), Stages{});
+}
+
+TEST_F(RerunTest, BlockAddedAndRemoved) {
+  fs::create_directories(site_ / "blocks/C");
+  fs::copy(test_support::FieldDataOfTwoRooms() / "blocks/B", site_ / "blocks/C/raw");
+  fs::rename(site_ / "blocks/C/raw/marks.csv", site_ / "blocks/C/marks.csv");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"C adjust", "C edit", "C grid", "C ingest", "C loops", "C track", "certify",
+                                         "network", "report", "stitch"}));
+  fs::remove_all(site_ / "blocks/C");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report", "stitch"}));
+}
+
+TEST_F(RerunTest, MarkRemoved) {
+  const fs::path marks = site_ / "blocks/B/marks.csv";
+  const std::string text = formats::ReadWholeFile(marks);
+  const std::size_t last_row = text.rfind('\n', text.size() - 2) + 1;
+  formats::WriteFileAtomically(marks, text.substr(0, last_row));
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"B adjust", "B edit", "B grid", "B ingest", "B loops", "B track", "certify",
+                                         "network", "report", "stitch"}));
+}
+
+TEST_F(RerunTest, EditAddedAndRemoved) {
+  const auto before = site_.Results();
+  formats::WriteFileAtomically(site_ / "edits/cupboard.geojson",
+                               R"({"type": "FeatureCollection", "features": [{"type": "Feature",
+    "properties": {"state": "free", "who": "M. Huber", "why": "moved away"},
+    "geometry": {"type": "Polygon", "coordinates": [[[500103, 5600203], [500104, 5600203], [500104, 5600204],
+                                                     [500103, 5600203]]]}}]})");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
+  fs::remove(site_ / "edits/cupboard.geojson");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
+  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+}
+
+TEST_F(RerunTest, DeletedResultsComeBack) {
+  const auto before = site_.Results();
+  fs::remove(site_ / "out/ros/map.pgm");
+  EXPECT_EQ(site_.StagesOfRun(), Stages{"stitch"});
+  fs::remove(site_ / "work/A/track.sqlite");
+  EXPECT_EQ(site_.StagesOfRun({"work/A/track.sqlite"}), Stages{"A track"});
+  fs::remove_all(site_ / "work");
+  EXPECT_EQ(site_.StagesOfRun({"-j4"}).size(), 16);
+  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+}
+
+TEST_F(RerunTest, TargetsAreStagesBlocksAndFiles) {
+  fs::remove_all(site_ / "work");
+  EXPECT_EQ(site_.StagesOfRun({"ingest"}), (Stages{"A ingest", "B ingest"}));
+  EXPECT_EQ(site_.StagesOfRun({"A"}), (Stages{"A adjust", "A edit", "A grid", "A loops", "A track", "network"}));
+  EXPECT_EQ(site_.StagesOfRun({(site_ / "work/B/loops.sqlite").string()}), (Stages{"B loops", "B track"}));
+}
+
+TEST_F(RerunTest, FailureStopsAndIsTold) {
+  const fs::path points = site_ / "control/points.csv";
+  const auto before = site_.Results();
+  ReplaceInFile(points, "2,5600202.0014,", "2,north,");
+  const test_support::CommandResult run = site_.Run();
+  EXPECT_EQ(run.status, 1) << run.err;
+  EXPECT_EQ(run.out, "network\n");
+  EXPECT_NE(run.err.find("points.csv:3"), std::string::npos) << run.err;
+  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+  const std::string status = test_support::RunCommand({"plumbline", "status", site_.path()}).out;
+  EXPECT_NE(status.find("network   failed: control/points.csv:3"), std::string::npos) << status;
+  EXPECT_NE(status.find("A adjust  waiting for network"), std::string::npos) << status;
+  ReplaceInFile(points, "2,north,", "2,5600202.0014,");
+  EXPECT_EQ(site_.StagesOfRun(), Stages{"network"});
+}
+
+}  // namespace

@@ -4,12 +4,15 @@
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
+#include "formats/raster_digest.h"
 
 namespace formats {
 namespace {
@@ -23,24 +26,32 @@ std::string CrsOf(const OGRSpatialReference* crs) {
   return authority.empty() ? name : name + " (" + authority + ":" + TextOf(crs->GetAuthorityCode(nullptr)) + ")";
 }
 
-void ReadValues(GDALRasterBand* band, RasterFacts& facts) {
-  int has_nodata = 0;
-  const double nodata = band->GetNoDataValue(&has_nodata);
-  std::vector<double> row(static_cast<std::size_t>(facts.width));
-  double sum = 0.0;
-  for (int y = 0; y < facts.height; ++y) {
-    if (band->RasterIO(GF_Read, 0, y, facts.width, 1, row.data(), facts.width, 1, GDT_Float64, 0, 0, nullptr) !=
-        CE_None)
-      return;
-    for (const double value : row) {
-      if (std::isnan(value) || (has_nodata != 0 && value == nodata)) continue;
-      facts.min = facts.num_known == 0 ? value : std::min(facts.min, value);
-      facts.max = facts.num_known == 0 ? value : std::max(facts.max, value);
-      sum += value;
-      ++facts.num_known;
-    }
+void AddValues(std::span<const double> values, double nodata, RasterFacts& facts) {
+  for (const double value : values) {
+    if (std::isnan(value) || value == nodata) continue;
+    facts.min = facts.num_known == 0 ? value : std::min(facts.min, value);
+    facts.max = facts.num_known == 0 ? value : std::max(facts.max, value);
+    facts.mean += (value - facts.mean) / static_cast<double>(++facts.num_known);
   }
-  if (facts.num_known > 0) facts.mean = sum / static_cast<double>(facts.num_known);
+}
+
+void ReadValues(const std::filesystem::path& file, GDALDataset* data, RasterFacts& facts) {
+  GDALRasterBand* band = data->GetRasterBand(1);
+  const double nodata = band->GetNoDataValue();
+  const GDALDataType type = band->GetRasterDataType();
+  const auto width = static_cast<std::size_t>(facts.width);
+  std::vector<std::byte> row(width * static_cast<std::size_t>(GDALGetDataTypeSizeBytes(type)));
+  std::vector<double> values(width);
+  RasterDigest digest(data);
+  for (int y = 0; y < facts.height; ++y) {
+    if (band->RasterIO(GF_Read, 0, y, facts.width, 1, row.data(), facts.width, 1, type, 0, 0, nullptr) != CE_None)
+      return;
+    digest.AddRow(row);
+    GDALCopyWords(row.data(), type, GDALGetDataTypeSizeBytes(type), values.data(), GDT_Float64, sizeof(double),
+                  facts.width);
+    AddValues(values, nodata, facts);
+  }
+  digest.Verify(data, file);
 }
 
 }  // namespace
@@ -68,7 +79,7 @@ RasterFacts ReadRasterFacts(const std::filesystem::path& file) {
   GDALRasterBand* band = data->GetRasterBand(1);
   facts.data_type = GDALGetDataTypeName(band->GetRasterDataType());
   facts.num_overviews = band->GetOverviewCount();
-  ReadValues(band, facts);
+  ReadValues(file, data.get(), facts);
   session.ThrowIfFailed(file, "cannot be read to its end");
   return facts;
 }

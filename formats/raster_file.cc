@@ -9,12 +9,14 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
 #include "formats/raster_crs.h"
+#include "formats/raster_digest.h"
 
 namespace formats {
 namespace {
@@ -33,6 +35,11 @@ constexpr int kCogTile = 512;
 
 void RequireCells(const fs::path& file, const SiteRaster& raster) {
   if (raster.width <= 0 || raster.height <= 0) throw DataError(file.string() + ": the raster has no cells");
+}
+
+std::span<const float> RowOf(const SiteRaster& raster, int row) {
+  const auto width = static_cast<std::size_t>(raster.width);
+  return std::span(raster.log_odds).subspan(static_cast<std::size_t>(row) * width, width);
 }
 
 // x and y of the outer corner of the upper left cell, as GDAL counts.
@@ -188,6 +195,9 @@ void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLab
   if (!data) session.Throw(file, "could not be written");
   Describe(data.get(), raster, label, provenance, kLogOdds);
   data->GetRasterBand(1)->SetNoDataValue(survey::kUnknownLogOdds);
+  RasterDigest digest(data.get());
+  for (int row = raster.height - 1; row >= 0; --row) digest.AddRow(std::as_bytes(RowOf(raster, row)));
+  digest.Store(data.get());
   WriteFlipped(data->GetRasterBand(1), raster.log_odds, raster.width, raster.height, GDT_Float32);
   data.reset();
   session.ThrowIfFailed(file, "could not be written (disk full?)");
@@ -208,6 +218,9 @@ SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
   ReadGeoreference(file, data.get(), &raster);
   ReadCells(data.get(), &raster);
   session.ThrowIfFailed(file, "cannot be read to its end");
+  RasterDigest digest(data.get());
+  for (int row = raster.height - 1; row >= 0; --row) digest.AddRow(std::as_bytes(RowOf(raster, row)));
+  digest.Verify(data.get(), file);
   const std::string tied = MetadataOf(data.get(), kTiedItem);
   if (tied != "yes" && tied != "no")
     throw DataError(file.string() + ": " + kTiedItem + " = \"" + tied + "\": must be yes or no");
@@ -224,9 +237,13 @@ void WriteCogMap(const fs::path& file, const SiteRaster& raster, const RasterLab
   RequireCells(file, raster);
   AtomicFile output(file);
   const GdalSession session;
-  const GDALDatasetUniquePtr memory = PyramidInMemory(PercentImageOf(raster));
+  const PercentImage image = PercentImageOf(raster);
+  const GDALDatasetUniquePtr memory = PyramidInMemory(image);
   if (!memory) session.Throw(file, "could not be composed in memory");
   Describe(memory.get(), raster, label, provenance, kPercent);
+  RasterDigest digest(memory.get());
+  digest.AddRow(std::as_bytes(std::span(image.cells)));
+  digest.Store(memory.get());
   memory->GetRasterBand(1)->SetDescription("occupancy");
   memory->GetRasterBand(1)->SetUnitType("percent");
   CPLStringList options;

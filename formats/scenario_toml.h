@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Scenarios of `simulate` as TOML (all keys: examples/parking-garage/README.md). Survey units here (degrees, deg/h, mGal), SI inside.
+// Scenarios of `simulate` as TOML (all keys: examples/parking-garage/README.md). Survey units here (degrees, deg/h,
+// mGal), SI inside.
 #pragma once
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What `simulate` writes beside the blocks' field data (examples/parking-garage/README.md lists the files): the surveyors' lists, the
-// terrestrial scanner's cloud and the exact truth. Site frame; x east, y north.
+// What `simulate` writes beside the blocks' field data (examples/parking-garage/README.md lists the files): the
+// surveyors' lists, the terrestrial scanner's cloud and the exact truth. Site frame; x east, y north.
 #pragma once
 
 #include <Eigen/Core>

@@ -4,6 +4,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <sstream>
 
 #include "formats/atomic_file.h"
@@ -129,15 +131,26 @@ std::vector<ConfigTable> TablesOfBlock(const GraphStages& stages) {
   return tables;
 }
 
+// As TOML; numbers in their shortest form.
+std::string TextOf(const toml::node& node) {
+  std::ostringstream text;
+  if (node.is_floating_point()) {
+    std::array<char, 32> buffer{};
+    const double value = *node.value<double>();
+    text.write(buffer.data(), std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr - buffer.data());
+  } else {
+    node.visit([&](const auto& value) { text << value; });
+  }
+  return text.str();
+}
+
 void Take(const std::map<std::string, toml::table>& tables, const std::string& name, const StageProgram& stage,
           Values* values) {
   const auto found = tables.find(name);
   if (found == tables.end()) return;
   for (const auto& [key, node] : found->second) {
     if (stage.Find(std::string(key.str())) == nullptr) continue;
-    std::ostringstream text;
-    node.visit([&](const auto& value) { text << value; });
-    (*values)[std::string(key.str())] = text.str();
+    (*values)[std::string(key.str())] = TextOf(node);
   }
 }
 

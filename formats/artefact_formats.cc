@@ -237,12 +237,30 @@ CREATE TABLE statistics (
 ) STRICT;
 )";
 
+constexpr std::string_view kFeaturesSchema = R"(
+CREATE TABLE features (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  name TEXT NOT NULL UNIQUE CHECK (name <> ''),
+  kind TEXT NOT NULL CHECK (kind IN ('corner', 'pillar')),
+  found INTEGER NOT NULL CHECK (found IN (0, 1)),
+  reason TEXT NOT NULL,   -- why not found
+  x REAL NOT NULL,        -- in the map: easting, m; 0 where not found
+  y REAL NOT NULL,        -- northing, m
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- of the reading in the raster alone: m2
+  cov_xy REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
+  num_cells INTEGER NOT NULL CHECK (num_cells >= 0),  -- wall cells that took part
+  CHECK ((found = 1) = (reason = ''))
+) STRICT;
+)";
+
 constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kSession, 1, "session", kSessionSchema},
     ArtefactFormat{ArtefactKind::kTrack, 1, "track", kTrackSchema},
     ArtefactFormat{ArtefactKind::kLoops, 1, "loops", kLoopsSchema},
     ArtefactFormat{ArtefactKind::kControl, 1, "control", kControlSchema},
     ArtefactFormat{ArtefactKind::kSolution, 1, "solution", kSolutionSchema},
+    ArtefactFormat{ArtefactKind::kFeatures, 1, "features", kFeaturesSchema},
 };
 
 }  // namespace

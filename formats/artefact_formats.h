@@ -10,7 +10,7 @@
 
 namespace formats {
 
-enum class ArtefactKind { kSession = 1, kTrack = 2, kLoops = 3, kControl = 4, kSolution = 5 };
+enum class ArtefactKind { kSession = 1, kTrack = 2, kLoops = 3, kControl = 4, kSolution = 5, kFeatures = 6 };
 
 struct ArtefactFormat {
   ArtefactKind kind;

@@ -10,6 +10,7 @@
 
 #include "formats/provenance.h"
 #include "survey/control/control_point.h"
+#include "survey/features/feature.h"
 #include "survey/graph/solution.h"
 #include "survey/sensors/session.h"
 #include "survey/submaps/track.h"
@@ -33,6 +34,11 @@ survey::ControlNetwork ReadControl(const std::filesystem::path& file);
 void WriteSolution(const std::filesystem::path& file, const survey::Solution& solution,
                    const std::vector<survey::ScanStamp>& scan_stamps, const Provenance& provenance);
 survey::Solution ReadSolution(const std::filesystem::path& file);
+
+// Features sought in a block's map, found or not, in the order of the surveyor's list.
+void WriteFeatures(const std::filesystem::path& file, const std::vector<survey::MapFeature>& features,
+                   const Provenance& provenance);
+std::vector<survey::MapFeature> ReadFeatures(const std::filesystem::path& file);
 
 // Stamps of the scans as stored beside the poses of a track or solution, in their order.
 std::vector<survey::ScanStamp> ReadScanStamps(const std::filesystem::path& file);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "survey/geometry/pose2.h"
+#include "survey/grid/line_cells.h"
 #include "survey/stats/philox.h"
 
 namespace test_support {
@@ -58,10 +59,25 @@ class ScanCells {
  public:
   explicit ScanCells(SiteRaster* raster) : raster_(raster), last_scan_(raster->log_odds.size(), -1) {}
 
-  void Enter(const Vector2d& p, int scan, double log_odds, const RenderOptions& options) {
+  void EnterEnd(const Vector2d& p, int scan, double log_odds, const RenderOptions& options) {
     const auto cell = raster_->CellOf(p);
-    if (!raster_->Contains(cell.x(), cell.y())) return;
-    const std::size_t index = static_cast<std::size_t>(cell.y() * raster_->width + cell.x());
+    Enter(cell.x(), cell.y(), scan, log_odds, options);
+  }
+
+  void EnterLine(const Vector2d& from, const Vector2d& to, int scan, double log_odds, const RenderOptions& options) {
+    survey::ForEachCellOnLine(InCells(from), InCells(to),
+                              [&](int column, int row) { Enter(column, row, scan, log_odds, options); });
+  }
+
+ private:
+  Eigen::Vector2f InCells(const Vector2d& p) const {
+    const Vector2d origin(static_cast<double>(raster_->min_column), static_cast<double>(raster_->min_row));
+    return (p / raster_->cell_size_m - origin).cast<float>();
+  }
+
+  void Enter(std::int64_t column, std::int64_t row, int scan, double log_odds, const RenderOptions& options) {
+    if (!raster_->Contains(column, row)) return;
+    const std::size_t index = static_cast<std::size_t>(row * raster_->width + column);
     if (last_scan_[index] == scan) return;
     last_scan_[index] = scan;
     float& value = raster_->log_odds[index];
@@ -69,15 +85,6 @@ class ScanCells {
         std::clamp((std::isnan(value) ? 0.0 : value) + log_odds, LogOdds(options.p_min), LogOdds(options.p_max)));
   }
 
-  void EnterLine(const Vector2d& from, const Vector2d& to, int scan, double log_odds, const RenderOptions& options) {
-    const int steps = static_cast<int>((to - from).norm() / (raster_->cell_size_m * 0.3)) + 1;
-    for (int i = 0; i < steps; ++i) {
-      const Vector2d p = from + (to - from) * (static_cast<double>(i) / steps);
-      if (raster_->CellOf(p) != raster_->CellOf(to)) Enter(p, scan, log_odds, options);
-    }
-  }
-
- private:
   SiteRaster* raster_;
   std::vector<int> last_scan_;
 };
@@ -126,7 +133,7 @@ SiteRaster RenderMap(const std::vector<Polygon>& solids, const std::vector<Vecto
     }
     const int number = static_cast<int>(scan);
     for (std::size_t i = 0; i < ends.size(); ++i) {
-      if (hits[i]) cells.Enter(ends[i], number, LogOdds(options.p_hit), options);
+      if (hits[i]) cells.EnterEnd(ends[i], number, LogOdds(options.p_hit), options);
     }
     for (const Vector2d& end : ends) cells.EnterLine(believed, end, number, LogOdds(options.p_miss), options);
   }

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// plumbline-features: where a map shows the corners and pillars of the surveyor's list.
+#include <cstdio>
+
+#include "formats/artefacts.h"
+#include "formats/features_csv.h"
+#include "formats/raster_file.h"
+#include "pipeline/stage.h"
+#include "survey/features/locate.h"
+
+int main(int argc, char** argv) {
+  pipeline::Stage stage("features", "Find the surveyed corners and pillars in the map of a block.",
+                        "plumbline features --map work/B1/map.tif --features control/features.csv --output "
+                        "work/B1/features.sqlite");
+  std::filesystem::path map_file;
+  std::filesystem::path list_file;
+  std::filesystem::path output;
+  survey::LocateOptions options;
+  stage.Input("map", &map_file, "map of the block");
+  stage.Input("features", &list_file, "list of the features with their surveyed coordinates",
+              pipeline::Content::kTextWithoutComments);
+  stage.Output("output", &output, "features.sqlite to write");
+  stage.Option("search-radius-m", &options.search_radius_m, "features are looked for this far from their place (m)",
+               {.min = 0.05, .max = 5.0});
+  stage.Option("certain-m", &options.certain_m,
+               "what is found farther from its place may be something else and is not taken (m)",
+               {.min = 0.02, .max = 5.0});
+  stage.Option("face-length-m", &options.face_length_m, "wall faces are followed this far from a corner (m)",
+               {.min = 0.2, .max = 10.0});
+  return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
+    const std::vector<survey::NamedFeature> wanted = formats::ReadFeaturesCsv(list_file);
+    formats::RasterLabel label;
+    const survey::SiteRaster map = formats::ReadRaster(map_file, &label);
+    std::vector<survey::MapFeature> features;
+    int found = 0;
+    for (const survey::NamedFeature& one : wanted) {
+      if (label.tied) {
+        features.push_back(survey::LocateFeature(map, one, options));
+      } else {  // site coordinates mean nothing in a local frame
+        features.push_back({.name = one.name, .kind = one.kind, .reason = "the map is not tied to control"});
+      }
+      found += features.back().found ? 1 : 0;
+    }
+    formats::WriteFeatures(output, features, run.Provenance());
+    run.Message(std::to_string(found) + " of " + std::to_string(wanted.size()) + " features found");
+  });
+}

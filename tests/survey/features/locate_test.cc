@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/features/locate.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "survey/geometry/pose2.h"
+#include "survey/stats/philox.h"
+#include "tests/support/rendered_map.h"
+
+namespace survey {
+namespace {
+
+using Eigen::Vector2d;
+using test_support::Box;
+using test_support::Moved;
+using test_support::Polygon;
+using test_support::RenderMap;
+using test_support::RenderOptions;
+using test_support::Rotated;
+
+NamedFeature At(const Vector2d& p, FeatureKind kind = FeatureKind::kCorner) {
+  return {.name = "F", .kind = kind, .position_in_site = p};
+}
+
+RenderOptions Noise(double range_noise_m, std::uint64_t seed) {
+  return {.range_noise_m = range_noise_m,
+          .position_noise_m = 0.005,
+          .angle_increment_rad = 0.5 * 3.14159265358979323846 / 180.0,
+          .range_max_m = 5.0,
+          .p_hit = 0.6,
+          .p_miss = 0.45,
+          .scans_per_stand = 12,
+          .seed = seed};
+}
+
+// A scene with its features' true places and the stands that see them.
+struct Scene {
+  std::vector<Polygon> solids;
+  std::vector<Vector2d> stands;
+  Vector2d truth;
+};
+
+Scene Placed(const Scene& scene, double turn, const Vector2d& by) {
+  Scene placed = scene;
+  for (Polygon& solid : placed.solids) solid = Moved(Rotated(solid, turn, {0, 0}), by);
+  for (Vector2d& stand : placed.stands) stand = by + Rotation2(turn) * stand;
+  placed.truth = by + Rotation2(turn) * scene.truth;
+  return placed;
+}
+
+// Inner corner of a room, outer corner of a building, corner of a pillar, pillar.
+const Scene kRoomCorner{{Box(-0.3, -0.3, 6, 0), Box(-0.3, -0.3, 0, 6)}, {{3, 2}, {1.5, 4}, {4, 4}}, {0, 0}};
+const Scene kOuterCorner{{Box(-6, -6, 0, 0)}, {{2, -2}, {-2, 2.5}, {2, 2}}, {0, 0}};
+const Scene kPillarCorner{{Box(-0.5, -0.5, 0, 0)}, {{3, 1}, {1, 3}, {2.5, -2}}, {0, 0}};
+const Scene kPillar{{Box(-0.25, -0.25, 0.25, 0.25)}, {{3, 0.5}, {-1, 3}, {-2.5, -2}, {1, -3}}, {0, 0}};
+
+struct Figures {
+  int found = 0;
+  double squares = 0.0;     // of the errors, m2
+  double normalized = 0.0;  // squares of the errors over their sigmas
+
+  double Rms() const { return std::sqrt(squares / found); }
+  double RmsNormalized() const { return std::sqrt(normalized / (2 * found)); }
+};
+
+// Scenes at random places in the cells; `turned` also at random angles, otherwise along the cells.
+Figures Repeat(const Scene& scene, FeatureKind kind, bool turned, double noise_m) {
+  Figures figures;
+  const RandomStream random(7, 99, turned ? 1 : 0);
+  for (int i = 0; i < 6; ++i) {
+    const auto index = static_cast<std::uint64_t>(10 * i);
+    const double turn = turned ? random.Uniform(index, -0.8, 0.8) : 0.0;
+    const Vector2d by(500000 + random.Uniform(index + 1), 5600000 + random.Uniform(index + 2));
+    const Scene placed = Placed(scene, turn, by);
+    const SiteRaster map = RenderMap(placed.solids, placed.stands, Noise(noise_m, static_cast<std::uint64_t>(i)));
+    const Vector2d near = placed.truth + 0.02 * Vector2d(random.Normal(index + 3), random.Normal(index + 4));
+    const MapFeature feature = LocateFeature(map, At(near, kind), {});
+    EXPECT_TRUE(feature.found) << "turn " << turn << ": " << feature.reason;
+    if (!feature.found) continue;
+    ++figures.found;
+    const Vector2d error = feature.position_in_site - placed.truth;
+    figures.squares += error.squaredNorm();
+    figures.normalized += error.dot(feature.covariance.inverse() * error);
+  }
+  return figures;
+}
+
+TEST(LocateFeature, PlacesAreRightWithinHalfACellAndTheirSigmasHonest) {
+  Figures all;
+  for (const double noise : {0.01, 0.025}) {
+    for (const bool turned : {false, true}) {
+      const struct {
+        const Scene& scene;
+        FeatureKind kind;
+        double limit_m;  // half a cell; the short faces of a pillar leave their direction open
+      } cases[] = {{kRoomCorner, FeatureKind::kCorner, 0.025},
+                   {kOuterCorner, FeatureKind::kCorner, 0.025},
+                   {kPillarCorner, FeatureKind::kCorner, 0.035},
+                   {kPillar, FeatureKind::kPillar, 0.025}};
+      for (const auto& one : cases) {
+        const Figures figures = Repeat(one.scene, one.kind, turned, noise);
+        EXPECT_LE(figures.Rms(), one.limit_m)
+            << "scene " << &one - cases << ", noise " << noise << ", turned " << turned;
+        all.found += figures.found;
+        all.squares += figures.squares;
+        all.normalized += figures.normalized;
+      }
+    }
+  }
+  EXPECT_LT(all.Rms(), 0.02);
+  EXPECT_GT(all.RmsNormalized(), 0.8);
+  EXPECT_LT(all.RmsNormalized(), 1.25);
+}
+
+SiteRaster MapOf(const Scene& scene) { return RenderMap(scene.solids, scene.stands, Noise(0.01, 1)); }
+
+TEST(LocateFeature, ARoundPillarIsFoundByItsCircle) {
+  Scene scene = kPillar;
+  scene.solids.front().clear();
+  for (int i = 0; i < 48; ++i) scene.solids.front().push_back(Rotation2(i * std::numbers::pi / 24) * Vector2d(0.3, 0));
+  const MapFeature feature = LocateFeature(MapOf(scene), At({0.03, -0.02}, FeatureKind::kPillar), {});
+  ASSERT_TRUE(feature.found) << feature.reason;
+  EXPECT_LT(feature.position_in_site.norm(), 0.02);
+}
+
+TEST(LocateFeature, WhatIsNotSeenIsNotGuessed) {
+  // The pillar is seen from the east alone: its western corners and its centre stay open.
+  Scene scene = kPillar;
+  scene.stands = {{3, 0.1}, {4, -0.1}};
+  const SiteRaster map = MapOf(scene);
+  const MapFeature corner = LocateFeature(map, At({-0.25, 0.25}), {});
+  EXPECT_FALSE(corner.found);
+  EXPECT_FALSE(corner.reason.empty());
+  const MapFeature pillar = LocateFeature(map, At({0, 0}, FeatureKind::kPillar), {});
+  EXPECT_FALSE(pillar.found);
+  EXPECT_EQ(pillar.reason, "too little of the pillar's outline is seen");
+  EXPECT_EQ(LocateFeature(map, At({3.5, 2}), {}).reason, "no wall of the map lies near");
+  EXPECT_EQ(LocateFeature(map, At({1000, 2}), {}).reason, "no wall of the map lies near");
+}
+
+TEST(LocateFeature, TheNextCornerIsNotTakenForAHiddenOne) {
+  const SiteRaster map = MapOf(kPillarCorner);
+  const MapFeature feature = LocateFeature(map, At({0.4, 0.1}), {});
+  EXPECT_FALSE(feature.found);
+  EXPECT_NE(feature.reason.find("the nearest corner is 0.4"), std::string::npos) << feature.reason;
+}
+
+TEST(LocateFeature, BetweenTheTwoFacesOfAThinWallIsAmbiguous) {
+  // The end of a wall 0.2 m thick, all three faces seen; the surveyed place says the middle of its end.
+  const Scene scene{{Box(-3, -0.1, 0, 0.1)}, {{2, 0.1}, {-1, 2}, {-1, -2}}, {0, 0}};
+  const MapFeature feature = LocateFeature(MapOf(scene), At({0, 0.01}), {.min_face_m = 0.1});
+  EXPECT_FALSE(feature.found);
+  const MapFeature north = LocateFeature(MapOf(scene), At({0, 0.1}), {.min_face_m = 0.1});
+  if (north.found) {
+    EXPECT_LT((north.position_in_site - Vector2d(0, 0.1)).norm(), 0.05);
+  }
+}
+
+}  // namespace
+}  // namespace survey

@@ -9,6 +9,7 @@
 
 #include "formats/artefacts.h"
 #include "formats/certificate_file.h"
+#include "formats/features_csv.h"
 #include "formats/seam_summary.h"
 #include "pipeline/stage.h"
 
@@ -19,9 +20,28 @@ using pipeline::NamedFile;
 struct CertifyFiles {
   std::filesystem::path control;
   std::vector<NamedFile> solutions;
+  std::vector<NamedFile> features;
+  std::filesystem::path feature_list;
   std::filesystem::path seams;
   std::filesystem::path output;
 };
+
+std::filesystem::path SolutionOf(const std::string& block, const CertifyFiles& files) {
+  const auto found = std::find_if(files.solutions.begin(), files.solutions.end(),
+                                  [&](const NamedFile& solution) { return solution.name == block; });
+  return found->file;
+}
+
+// Features of an older solution would test a map that is no longer delivered.
+void RequireDescent(const NamedFile& features, const std::filesystem::path& solution) {
+  const std::string id = formats::ReadProvenance(solution).Own().Id();
+  const formats::Provenance chain = formats::ReadProvenance(features.file);
+  const bool descends = std::any_of(chain.records.begin(), chain.records.end(),
+                                    [&](const formats::ProvenanceRecord& record) { return record.Id() == id; });
+  if (descends) return;
+  throw formats::DataError(features.file.string() + ": was not measured in the map of " + solution.string() +
+                           "; make it again with plumbline features");
+}
 
 survey::CertifyInput ReadInput(const CertifyFiles& files) {
   survey::CertifyInput input;
@@ -32,6 +52,16 @@ survey::CertifyInput ReadInput(const CertifyFiles& files) {
       throw formats::UsageError("--solution names block " + solution.name + " twice");
     }
     input.blocks.push_back({.name = solution.name, .solution = formats::ReadSolution(solution.file)});
+  }
+  if (!files.feature_list.empty()) input.reference_features = formats::ReadFeaturesCsv(files.feature_list);
+  for (const NamedFile& features : files.features) {
+    const auto block = std::find_if(input.blocks.begin(), input.blocks.end(),
+                                    [&](const survey::CertifiedBlock& each) { return each.name == features.name; });
+    if (block == input.blocks.end()) {
+      throw formats::UsageError("--features names block " + features.name + ", --solution does not");
+    }
+    RequireDescent(features, SolutionOf(features.name, files));
+    block->features = formats::ReadFeatures(features.file);
   }
   if (!files.seams.empty()) input.seams = formats::ReadSeamSummaries(files.seams);
   return input;
@@ -67,15 +97,20 @@ void Run(const CertifyFiles& files, survey::CertifyInput input, pipeline::StageR
 }  // namespace
 
 int main(int argc, char** argv) {
-  pipeline::Stage stage("certify", "Test the maps on independent checks and write the certificate.",
-                        "plumbline certify --control work/control.sqlite --solution B1=work/B1/solution.sqlite --seams "
-                        "out/seams.json --output out/certificate.json");
+  pipeline::Stage stage(
+      "certify", "Test the maps on independent checks and write the certificate.",
+      "plumbline certify --control work/control.sqlite --solution B1=work/B1/solution.sqlite --features "
+      "B1=work/B1/features.sqlite --feature-list control/features.csv --seams out/seams.json --output "
+      "out/certificate.json");
   CertifyFiles files;
   std::string site_title = "Site";
   double class_m = 0.0;
   double centring_sigma_m = 0.005;
   stage.OptionalInput("control", &files.control, "control.sqlite of the site");
   stage.NamedInputs("solution", &files.solutions, "solution.sqlite of each block", true);
+  stage.NamedInputs("features", &files.features, "features.sqlite of each block", false);
+  stage.OptionalInput("feature-list", &files.feature_list, "surveyed coordinates of the check features (CSV)",
+                      pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("seams", &files.seams, "seams.json of the stitched site");
   stage.Output("output", &files.output, "certificate.json to write");
   stage.Option("site-title", &site_title, "title of the site on the certificate");

@@ -14,9 +14,16 @@ namespace {
 
 constexpr int kFewestForRelative = 3;
 
-const LocatedFeature* FindFeature(const std::vector<LocatedFeature>& features, const std::string& name) {
+const NamedFeature* FindReference(const std::vector<NamedFeature>& features, const std::string& name) {
   const auto found = std::find_if(features.begin(), features.end(), [&](const auto& f) { return f.name == name; });
   return found == features.end() ? nullptr : &*found;
+}
+
+// Null when the block's map does not show it.
+const MapFeature* FindInMap(const CertifiedBlock& block, const std::string& name) {
+  const auto found = std::find_if(block.features.begin(), block.features.end(),
+                                  [&](const MapFeature& f) { return f.found && f.name == name; });
+  return found == block.features.end() ? nullptr : &*found;
 }
 
 double Rms(const std::vector<Eigen::Vector2d>& errors) {
@@ -101,9 +108,9 @@ class Certifier {
       AddCheck(CheckKind::kPoint, block.name, mark.point, mark.position_in_site, point->position_in_site,
                point->covariance + centring);
     }
-    for (const LocatedFeature& feature : block.features) {
-      const LocatedFeature* reference = FindFeature(input_.reference_features, feature.name);
-      if (reference == nullptr) continue;
+    for (const MapFeature& feature : block.features) {
+      const NamedFeature* reference = FindReference(input_.reference_features, feature.name);
+      if (!feature.found || reference == nullptr) continue;
       AddCheck(CheckKind::kFeature, block.name, feature.name, feature.position_in_site, reference->position_in_site,
                reference->covariance + feature.covariance);
     }
@@ -153,11 +160,11 @@ class Certifier {
 
   std::optional<RelativeAccuracy> Relative(const CertifiedBlock& block) const {
     std::vector<Eigen::Vector2d> in_map, reference;
-    for (const LocatedFeature& feature : block.features) {
-      const LocatedFeature* known = FindFeature(input_.reference_features, feature.name);
-      if (known == nullptr) continue;
-      in_map.push_back(feature.position_in_site);
-      reference.push_back(known->position_in_site);
+    for (const NamedFeature& reference_feature : input_.reference_features) {
+      const MapFeature* feature = FindInMap(block, reference_feature.name);
+      if (feature == nullptr) continue;
+      in_map.push_back(feature->position_in_site);
+      reference.push_back(reference_feature.position_in_site);
     }
     if (in_map.size() < kFewestForRelative) return std::nullopt;
     const std::optional<RigidFit> fit = FitRigid(in_map, reference);
@@ -184,8 +191,8 @@ class Certifier {
     for (std::size_t a = 0; a < input_.blocks.size(); ++a) {
       for (std::size_t b = a + 1; b < input_.blocks.size(); ++b) {
         if (!input_.blocks[a].solution.tied || !input_.blocks[b].solution.tied) continue;
-        for (const LocatedFeature& in_a : input_.blocks[a].features) {
-          const LocatedFeature* in_b = FindFeature(input_.blocks[b].features, in_a.name);
+        for (const MapFeature& in_a : input_.blocks[a].features) {
+          const MapFeature* in_b = in_a.found ? FindInMap(input_.blocks[b], in_a.name) : nullptr;
           if (in_b == nullptr) continue;
           differences.push_back(in_a.position_in_site - in_b->position_in_site);
           stitching.pairs.push_back({input_.blocks[a].name, input_.blocks[b].name, in_a.name, differences.back()});
@@ -230,19 +237,44 @@ class Certifier {
                        " holds no check point and no check feature: its accuracy was not tested.");
       }
     }
+    for (const CertifiedBlock& block : input_.blocks) ListUnseen(block, &list);
     std::set<std::string> found;
     for (const TestedCheck& check : certificate_.checks) found.insert(check.name);
     ListMissing("Check point", " was not occupied in any tied block.", found, &list);
-    for (const LocatedFeature& feature : input_.reference_features) {
-      if (!found.contains(feature.name)) {
-        list.push_back("Check feature " + feature.name + " was not found in the map of any tied block.");
-      }
+    for (const NamedFeature& feature : input_.reference_features) {
+      if (found.contains(feature.name)) continue;
+      list.push_back("Check feature " + feature.name + " was not found in the map of any tied block" +
+                     ReasonNotFound(feature.name) + ".");
     }
     if (certificate_.tied && certificate_.features_test.statistics.num_points == 0) {
       list.push_back(
           "No check feature was measured in the maps: check points test where the platform stood, not the walls.");
     }
     list.push_back("Heights were not tested: the map is plane.");
+  }
+
+  void ListUnseen(const CertifiedBlock& block, std::vector<std::string>* list) const {
+    const auto seen =
+        std::count_if(block.features.begin(), block.features.end(), [](const auto& f) { return f.found; });
+    const auto sought = static_cast<std::ptrdiff_t>(block.features.size());
+    if (!block.solution.tied || seen == sought) return;
+    list->push_back("Block " + block.name + ": " + std::to_string(seen) + " of " + std::to_string(sought) +
+                    " check features could be read in its map; the others were not tested there.");
+  }
+
+  // " (B1: hidden; B2: ...)", each reason once.
+  std::string ReasonNotFound(const std::string& name) const {
+    std::vector<std::string> reasons;
+    std::string text;
+    for (const CertifiedBlock& block : input_.blocks) {
+      for (const MapFeature& feature : block.features) {
+        const bool known = std::find(reasons.begin(), reasons.end(), feature.reason) != reasons.end();
+        if (!block.solution.tied || feature.name != name || feature.reason.empty() || known) continue;
+        reasons.push_back(feature.reason);
+        text += (text.empty() ? "" : "; ") + block.name + ": " + feature.reason;
+      }
+    }
+    return text.empty() ? "" : " (" + text + ")";
   }
 
   void ListMissing(const std::string& what, const std::string& why, const std::set<std::string>& found,
@@ -276,7 +308,7 @@ std::vector<std::string> FindContradictions(const CertifyInput& input) {
     }
   }
   std::set<std::string> names;
-  for (const LocatedFeature& feature : input.reference_features) {
+  for (const NamedFeature& feature : input.reference_features) {
     if (!names.insert(feature.name).second) found.push_back("feature " + feature.name + " is listed twice");
     const ControlPoint* point = FindPoint(input.network, feature.name);
     if (point != nullptr && point->role != PointRole::kExcluded) {

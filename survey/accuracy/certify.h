@@ -10,28 +10,22 @@
 
 #include "survey/accuracy/certificate.h"
 #include "survey/control/control_point.h"
+#include "survey/features/feature.h"
 #include "survey/graph/solution.h"
 
 namespace survey {
 
-// A feature with coordinates from an independent survey, or as found in a map.
-struct LocatedFeature {
-  std::string name;
-  Eigen::Vector2d position_in_site = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-};
-
 struct CertifiedBlock {
   std::string name;
   Solution solution;
-  std::vector<LocatedFeature> features;  // found in the block's map
+  std::vector<MapFeature> features;  // sought in the block's map
 };
 
 struct CertifyInput {
   std::string site;
   ControlNetwork network;
   std::vector<CertifiedBlock> blocks;
-  std::vector<LocatedFeature> reference_features;
+  std::vector<NamedFeature> reference_features;  // independently surveyed
   std::vector<SeamSummary> seams;
   std::optional<double> class_m;
   double centring_sigma_m = 0.005;  // of the platform over a check point, 1 sigma per axis

@@ -23,15 +23,20 @@ survey::Certificate Example() {
                           {.name = "K1", .role = survey::PointRole::kCheck, .position_in_site = {5, 5}},
                           {.name = "X1", .role = survey::PointRole::kExcluded, .reason = "disturbed"}};
   for (const int i : {0, 1, 2, 3}) {
-    input.reference_features.push_back({"F" + std::to_string(i), {10.0 * i, i * i * 1.0}, covariance});
+    input.reference_features.push_back(
+        {.name = "F" + std::to_string(i), .position_in_site = {10.0 * i, i * i * 1.0}, .covariance = covariance});
   }
   survey::Solution solution{.tied = true, .frame = input.network.frame};
   solution.marks = {{.point = "C1", .used = true, .residual = {0.001, 0.002}},
                     {.point = "K1", .position_in_site = {5.01, 5}}};
-  std::vector<survey::LocatedFeature> features = input.reference_features;
-  for (survey::LocatedFeature& feature : features)
-    feature.position_in_site += Eigen::Vector2d(0.01, 0.1 / 3.0 * feature.position_in_site.x());
-  input.blocks = {{"B1", solution, features}, {"B2", solution, input.reference_features}};
+  std::vector<survey::MapFeature> shifted, exact;
+  for (const survey::NamedFeature& feature : input.reference_features) {
+    const Eigen::Vector2d& p = feature.position_in_site;
+    exact.push_back({.name = feature.name, .found = true, .position_in_site = p});
+    shifted.push_back(exact.back());
+    shifted.back().position_in_site += Eigen::Vector2d(0.01, 0.1 / 3.0 * p.x());
+  }
+  input.blocks = {{"B1", solution, shifted}, {"B2", solution, exact}};
   input.seams = {{.block_a = "B1", .block_b = "B2", .overlap_area_m2 = 12.5, .num_windows = 1, .rms = 0.01}};
   return survey::Certify(input);
 }

@@ -31,7 +31,8 @@ survey::CertifyInput Site(bool tied) {
     const auto role = i % 4 == 3 ? survey::PointRole::kCheck : survey::PointRole::kControl;
     input.network.points.push_back(
         {.name = "C" + std::to_string(i), .role = role, .position_in_site = p, .covariance = covariance});
-    input.reference_features.push_back({"F" + std::to_string(i), p + Eigen::Vector2d(4, -3), covariance});
+    input.reference_features.push_back(
+        {.name = "F" + std::to_string(i), .position_in_site = p + Eigen::Vector2d(4, -3), .covariance = covariance});
   }
   for (int block = 0; block < 3; ++block) {
     survey::CertifiedBlock each{.name = "B" + std::to_string(block + 1)};
@@ -52,9 +53,11 @@ survey::CertifyInput Site(bool tied) {
                                      .position_in_site = point.position_in_site + residual,
                                      .residual = residual,
                                      .rigid_residual = noise(0.05)});
-      survey::LocatedFeature found = input.reference_features[static_cast<std::size_t>(i)];
-      found.position_in_site += noise(0.015);
-      each.features.push_back(found);
+      const survey::NamedFeature& feature = input.reference_features[static_cast<std::size_t>(i)];
+      each.features.push_back({.name = feature.name,
+                               .found = true,
+                               .position_in_site = feature.position_in_site + noise(0.015),
+                               .covariance = feature.covariance});
     }
     input.blocks.push_back(each);
   }

@@ -33,7 +33,8 @@ class CertifyStageTest : public testing::Test {
   }
 
   // Marks on all points, off by `error_m` east; P0 to P2 were used.
-  void WriteBlock(const std::string& name, double error_m, bool tied = true, bool check_used = false) {
+  void WriteBlock(const std::string& name, double error_m, bool tied = true, bool check_used = false,
+                  const std::string& version = "1") {
     survey::Solution solution{.tied = tied};
     std::vector<survey::ScanStamp> stamps;
     for (std::int64_t i = 0; i < 8; ++i) {
@@ -50,7 +51,7 @@ class CertifyStageTest : public testing::Test {
                                 .position_in_site = at,
                                 .residual = {i < 3 ? 0.001 : 0.0, 0}});
     }
-    formats::WriteSolution(scratch_ / name, solution, stamps, kProvenance);
+    formats::WriteSolution(scratch_ / name, solution, stamps, {.records = {{.stage = "adjust", .version = version}}});
   }
   CommandResult Run(std::vector<std::string> more = {}) {
     std::vector<std::string> command = {"plumbline-certify", "--control", "control.sqlite",      "--solution",
@@ -75,6 +76,38 @@ TEST_F(CertifyStageTest, TestsTheCheckPoints) {
   EXPECT_EQ(c.fit.size(), 3U);
   EXPECT_TRUE(*c.statement.meets);
   EXPECT_NE(result.err.find("check points: RMSE_H 12.6 mm (n = 5); class met"), std::string::npos) << result.err;
+}
+
+TEST_F(CertifyStageTest, TestsTheFeaturesOfThisSolutionsMap) {
+  const formats::Provenance solution = formats::ReadProvenance(scratch_ / "B1.sqlite");
+  formats::Provenance features{.records = {{.stage = "features", .version = "1"}, solution.Own()}};
+  formats::WriteFeatures(
+      scratch_ / "f.sqlite",
+      {{.name = "F1", .found = true, .position_in_site = {5.0, 1.03}}, {.name = "F2", .reason = "hidden"}}, features);
+  formats::WriteFileAtomically(scratch_ / "features.csv",
+                               "name,northing,easting,sigma_n,sigma_e,kind\nF1,1,5,0.003,0.003,corner\n"
+                               "F2,1,9,0.003,0.003,pillar\n");
+  const std::vector<std::string> more = {"--features", "B1=f.sqlite", "--feature-list", "features.csv"};
+  const CommandResult result = Run(more);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(Certificate().features_test.statistics.num_points, 1);
+  EXPECT_NEAR(Certificate().features_test.statistics.rmse, 0.03, 1e-9);
+  EXPECT_EQ(Certificate().statement.tested_on, "check features");
+  WriteBlock("B1.sqlite", 0.02, true, false, "another run");
+  const CommandResult stale = Run(more);
+  EXPECT_EQ(stale.status, 1);
+  EXPECT_NE(stale.err.find("f.sqlite: was not measured in the map of B1.sqlite"), std::string::npos) << stale.err;
+  const CommandResult unknown = Run({"--features", "B7=f.sqlite", "--feature-list", "features.csv"});
+  EXPECT_EQ(unknown.status, 2) << unknown.err;
+}
+
+TEST_F(CertifyStageTest, RefusesAFeatureThatIsControl) {
+  formats::WriteFileAtomically(scratch_ / "features.csv",
+                               "name,northing,easting,sigma_n,sigma_e,kind\nP1,1,5,0.003,0.003,corner\n");
+  const CommandResult result = Run({"--feature-list", "features.csv"});
+  EXPECT_EQ(result.status, 1);
+  EXPECT_NE(result.err.find("check feature P1 bears the name of a point of the control list"), std::string::npos)
+      << result.err;
 }
 
 TEST_F(CertifyStageTest, RepeatsTheSeams) {

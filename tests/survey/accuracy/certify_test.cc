@@ -16,6 +16,14 @@ SolvedMark Used(const std::string& point, const Eigen::Vector2d& given, const Ei
           .rigid_residual = 10.0 * residual};
 }
 
+NamedFeature Surveyed(const std::string& name, const Eigen::Vector2d& position) {
+  return {.name = name, .position_in_site = position, .covariance = kSurvey};
+}
+
+MapFeature Seen(const std::string& name, const Eigen::Vector2d& position) {
+  return {.name = name, .found = true, .position_in_site = position, .covariance = kSurvey};
+}
+
 // Two tied blocks and one that is not; a check point in B1, features in B1 and B2.
 CertifyInput Input() {
   CertifyInput input{.site = "garage", .network = {.frame = {.crs = "EPSG:25832"}}, .class_m = 0.05};
@@ -23,19 +31,18 @@ CertifyInput Input() {
                           {.name = "C2", .position_in_site = {10, 0}, .covariance = kSurvey},
                           {.name = "K1", .role = PointRole::kCheck, .position_in_site = {5, 5}, .covariance = kSurvey},
                           {.name = "K2", .role = PointRole::kCheck, .position_in_site = {9, 9}, .covariance = kSurvey}};
-  input.reference_features = {{"F1", {0, 1}, kSurvey}, {"F2", {8, 1}, kSurvey}, {"F3", {8, 7}, kSurvey}};
+  input.reference_features = {Surveyed("F1", {0, 1}), Surveyed("F2", {8, 1}), Surveyed("F3", {8, 7})};
   Solution tied{.tied = true, .frame = input.network.frame};
   tied.marks = {Used("C1", {0, 0}, {0.001, 0}),
                 Used("C2", {10, 0}, {0, 0.003}),
                 {.point = "K1", .position_in_site = {5.03, 4.96}}};
   tied.scans = {{.site_from_scan = {0, 0, 0}}, {.site_from_scan = {3, 4, 0}}};
-  input.blocks.push_back(
-      {"B1", tied, {{"F1", {0.02, 1}, kSurvey}, {"F2", {8.02, 1}, kSurvey}, {"F3", {8.02, 7}, kSurvey}}});
+  input.blocks.push_back({"B1", tied, {Seen("F1", {0.02, 1}), Seen("F2", {8.02, 1}), Seen("F3", {8.02, 7})}});
   tied.marks.pop_back();
-  input.blocks.push_back({"B2", tied, {{"F1", {0, 1.04}, kSurvey}}});
+  input.blocks.push_back({"B2", tied, {Seen("F1", {0, 1.04})}});
   Solution loose;
   loose.marks = {{.point = "K1", .position_in_site = {700, 700}}};
-  input.blocks.push_back({"B3", loose, {{"F1", {500, 500}, kSurvey}}});
+  input.blocks.push_back({"B3", loose, {Seen("F1", {500, 500})}});
   return input;
 }
 
@@ -106,6 +113,23 @@ TEST(CertifyTest, ListsWhatWasNotFound) {
             c.not_tested.end());
 }
 
+TEST(CertifyTest, FeaturesThatAMapDoesNotShowAreNoZeros) {
+  CertifyInput input = Input();
+  for (CertifiedBlock& block : input.blocks) {
+    block.features.clear();
+    block.features.push_back({.name = "F1", .reason = "hidden"});
+  }
+  const Certificate c = Certify(input);
+  EXPECT_EQ(c.features_test.statistics.num_points, 0);
+  EXPECT_TRUE(c.stitching.pairs.empty());
+  EXPECT_NE(std::find(c.not_tested.begin(), c.not_tested.end(),
+                      "Check feature F1 was not found in the map of any tied block (B1: hidden)."),
+            c.not_tested.end());
+  EXPECT_NE(std::find(c.not_tested.begin(), c.not_tested.end(),
+                      "Block B2: 0 of 1 check features could be read in its map; the others were not tested there."),
+            c.not_tested.end());
+}
+
 TEST(CertifyTest, FindsChecksThatAreControl) {
   EXPECT_TRUE(FindContradictions(Input()).empty());
   CertifyInput used = Input();
@@ -114,7 +138,7 @@ TEST(CertifyTest, FindsChecksThatAreControl) {
   EXPECT_NE(FindContradictions(used)[0].find("point K1 was used as control in the solution of block B1"),
             std::string::npos);
   CertifyInput feature = Input();
-  feature.reference_features.push_back({"C1", {0, 0}, kSurvey});
+  feature.reference_features.push_back(Surveyed("C1", {0, 0}));
   EXPECT_NE(FindContradictions(feature).at(0).find("check feature C1 bears the name"), std::string::npos);
   CertifyInput twice = Input();
   twice.reference_features.push_back(twice.reference_features[0]);

@@ -30,7 +30,7 @@ PLUMBLINE_THREADS ?= 0
 plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
 export PATH := $(plumbline.bin):$(PATH)
 
-plumbline.block-stages := ingest track loops adjust grid edit
+plumbline.block-stages := ingest track loops adjust grid edit features
 plumbline.site-stages := network stitch certify report
 
 # Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
@@ -77,6 +77,7 @@ missing-output = $(if $(filter-out $(wildcard $($(1).outputs)),$($(1).outputs)),
 
 blocks := $(sort $(patsubst blocks/%/,%,$(wildcard blocks/*/)))
 points := $(wildcard control/points.csv)
+features := $(wildcard control/features.csv)
 edits := $(sort $(wildcard edits/*.geojson))
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
@@ -103,6 +104,8 @@ $(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$
 $(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(edits)),work/$(1)/map.tif,\
   --grid work/$(1)/grid.tif --solution work/$(1)/solution.sqlite $(addprefix --edits ,$(edits))\
   --output work/$(1)/map.tif)
+$(if $(features),$(call stage,features,$(1),work/$(1)/map.tif $(call source,$(features)),work/$(1)/features.sqlite,\
+  --map work/$(1)/map.tif --features $(features) --output work/$(1)/features.sqlite))
 $(eval .PHONY: $(1))
 $(eval $(1): work/$(1)/map.tif ; @:)
 endef
@@ -125,9 +128,11 @@ $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(bloc
   $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
-$(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite) out/seams.json,\
+$(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
+  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json,\
   out/certificate.json,\
   --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
+  $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
   --seams out/seams.json --output out/certificate.json)
 
 $(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\

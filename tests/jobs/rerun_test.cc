@@ -92,6 +92,20 @@ TEST_F(RerunTest, EditAddedAndRemoved) {
   EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
 }
 
+TEST_F(RerunTest, CheckFeaturesAddedAndRemoved) {
+  const auto before = site_.Results();
+  const fs::path features = site_ / "control/features.csv";
+  fs::copy_file(test_support::FieldDataOfTwoRooms() / "control/features.csv", features);
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A features", "B features", "certify", "report"}));
+  AppendToFile(features, "# looked over on Friday\n");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A features", "B features", "certify"}));
+  fs::remove(features);
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "report"}));
+  fs::remove(site_ / "work/A/features.sqlite");
+  fs::remove(site_ / "work/B/features.sqlite");
+  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+}
+
 TEST_F(RerunTest, DeletedResultsComeBack) {
   const auto before = site_.Results();
   fs::remove(site_ / "out/ros/map.pgm");

@@ -9,11 +9,13 @@
 namespace {
 
 void DeclareOptions(pipeline::Stage* stage, survey::TrackOptions* options) {
-  stage->Option("submap-cell-size-m", &options->grid.cell_size_m, "cell of the submaps (m)",
+  stage->Option("surface-cell-size-m", &options->map.surface_cell_size_m, "cell of the surfaces (m), surface matcher",
+                {.min = 0.02, .max = 1.0});
+  stage->Option("submap-cell-size-m", &options->map.grid.cell_size_m, "cell of the submaps (m), occupancy matcher",
                 {.min = 0.005, .max = 1.0});
   stage->Option("max-range-m", &options->max_range_m, "ranges beyond are not used (m)", {.min = 1.0});
-  stage->Option("max-points", &options->max_points, "end points used to match a scan", {.min = 20, .max = 100000});
-  stage->Option("point-spacing-m", &options->point_spacing_m, "end points closer along the scan are thinned (m)",
+  stage->Option("max-points", &options->map.max_points, "end points used to match a scan", {.min = 20, .max = 100000});
+  stage->Option("point-spacing-m", &options->map.point_spacing_m, "end points closer along the scan are thinned (m)",
                 {.min = 0.0});
   stage->Option("insert-distance-m", &options->insert_distance_m, "a scan is drawn after this motion (m) ...",
                 {.min = 0.0});
@@ -34,11 +36,17 @@ int main(int argc, char** argv) {
   std::filesystem::path session_file;
   std::filesystem::path output;
   survey::TrackOptions options;
+  std::string matcher = "surfaces";
   stage.Input("session", &session_file, "session of the block");
   stage.Output("output", &output, "track.sqlite to write");
+  stage.Option("matcher", &matcher, "surfaces, or occupancy: [CN] eq. (6)-(7) as written", {"surfaces", "occupancy"});
+  bool use_odometry = true;
+  stage.Option("use-odometry", &use_odometry, "false: as if the wheels had not been recorded");
   DeclareOptions(&stage, &options);
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
-    const survey::Session session = formats::ReadSession(session_file);
+    if (matcher == "occupancy") options.map.matcher = survey::Matcher::kOccupancy;
+    survey::Session session = formats::ReadSession(session_file);
+    if (!use_odometry) session.odometry.clear();
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(session.scans.size()));
     const survey::Track track = survey::TrackBlock(
         session, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });

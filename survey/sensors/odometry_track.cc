@@ -2,6 +2,7 @@
 #include "survey/sensors/odometry_track.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace survey {
 
@@ -9,19 +10,15 @@ std::optional<Pose2> OdometryTrack::At(StampNs stamp_ns) const {
   const auto after =
       std::lower_bound(samples_.begin(), samples_.end(), stamp_ns,
                        [](const OdometrySample& sample, StampNs stamp) { return sample.stamp_ns < stamp; });
-  const auto near = [&](const OdometrySample& sample) {
-    return std::abs(Seconds(sample.stamp_ns - stamp_ns)) <= max_gap_s_;
-  };
-  if (after == samples_.end()) {
-    if (samples_.empty() || !near(samples_.back())) return std::nullopt;
-    return samples_.back().odom_from_body;
+  const double to_after =
+      after == samples_.end() ? std::numeric_limits<double>::max() : Seconds(after->stamp_ns - stamp_ns);
+  const double from_before =
+      after == samples_.begin() ? std::numeric_limits<double>::max() : Seconds(stamp_ns - (after - 1)->stamp_ns);
+  if (to_after + from_before <= max_gap_s_) {
+    return Interpolate((after - 1)->odom_from_body, after->odom_from_body, from_before / (from_before + to_after));
   }
-  if (after->stamp_ns == stamp_ns) return after->odom_from_body;
-  if (after == samples_.begin()) return near(*after) ? std::optional(after->odom_from_body) : std::nullopt;
-  const auto before = after - 1;
-  const double gap = Seconds(after->stamp_ns - before->stamp_ns);
-  if (gap > max_gap_s_) return std::nullopt;
-  return Interpolate(before->odom_from_body, after->odom_from_body, Seconds(stamp_ns - before->stamp_ns) / gap);
+  if (std::min(to_after, from_before) > max_gap_s_) return std::nullopt;
+  return (to_after < from_before ? after : after - 1)->odom_from_body;
 }
 
 std::optional<Pose2> OdometryTrack::LidarMotion(StampNs from_ns, StampNs to_ns, const Pose2& body_from_lidar) const {

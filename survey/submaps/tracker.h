@@ -7,40 +7,25 @@
 
 #include <functional>
 
-#include "survey/grid/occupancy_pyramid.h"
-#include "survey/matching/gauss_newton.h"
 #include "survey/sensors/session.h"
+#include "survey/submaps/motion_predictor.h"
 #include "survey/submaps/track.h"
+#include "survey/submaps/tracking_map.h"
 
 namespace survey {
 
-// Uncertainty of a predicted motion: sigma = base + per metre * path + per radian * turn (+ what the last innovations
-// show).
-struct MotionNoise {
-  double sigma_m = 0.02;
-  double sigma_m_per_m = 0.10;
-  double sigma_rad = 0.01;
-  double sigma_rad_per_rad = 0.15;
-  double sigma_rad_per_m = 0.02;
-  double acceleration_m_s2 = 0.5;  // of the constant-velocity model
-  double acceleration_rad_s2 = 1.5;
-};
-
 struct TrackOptions {
-  OccupancyOptions grid;
-  MatchOptions match;
+  TrackingMapOptions map;
   MotionNoise motion;
   double max_range_m = 30.0;         // beams beyond are not used
-  double point_spacing_m = 0.05;     // end points closer along the scan are thinned for matching
-  int max_points = 250;              // for matching
   double insert_distance_m = 0.2;    // a scan is inserted (becomes a node) after this motion ...
   double insert_angle_rad = 0.09;    // ... or this turn
   int submap_nodes = 120;            // nodes in a submap; the next one starts at half
   int min_points = 20;               // fewer end points cannot be matched
-  double search_half_width_m = 0.3;  // window when the match from the prediction is poor
-  double search_half_angle_rad = 0.25;
+  double search_half_width_m = 1.0;  // window when the match from the prediction is poor
+  double search_half_angle_rad = 0.6;
   double poor_score_ratio = 0.75;  // poor: below this share of the recent scores
-  double max_odometry_gap_s = 1.0;
+  double min_score_gain = 0.1;     // what a pose far from the prediction must have over the one near to it
 };
 
 // `progress` is called with the number of scans done.

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/matching/surface_map.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace survey {
+namespace {
+
+constexpr float kNormalReach_m = 0.3F;     // neighbours along the scan that count for a normal
+constexpr float kMaxGap_m = 0.3F;          // neighbours farther apart than this ...
+constexpr float kMaxGapPerRange = 0.1F;    // ... and this part of the range lie on different surfaces
+constexpr float kMaxBeamSpacing_m = 0.1F;  // single points of wider beams are left out
+constexpr float kMaxRoughness_m = 0.03F;   // rms distance from the line
+constexpr float kMaxAspect = 0.25F;        // rms across by rms along
+constexpr int kGrowthCells = 64;
+
+// Line through neighbouring points: second moments about their mean.
+struct Moments {
+  float n = 0.0F, x = 0.0F, y = 0.0F, xx = 0.0F, xy = 0.0F, yy = 0.0F;
+  void Add(const Eigen::Vector2f& d) {
+    n += 1.0F;
+    x += d.x();
+    y += d.y();
+    xx += d.x() * d.x();
+    xy += d.x() * d.y();
+    yy += d.y() * d.y();
+  }
+};
+
+// Unit normal of the line through the moments, or zero when they are no line.
+Eigen::Vector2f NormalOf(const Moments& m) {
+  if (m.n < 3.0F) return Eigen::Vector2f::Zero();
+  const float xx = m.xx / m.n - (m.x / m.n) * (m.x / m.n);
+  const float xy = m.xy / m.n - (m.x / m.n) * (m.y / m.n);
+  const float yy = m.yy / m.n - (m.y / m.n) * (m.y / m.n);
+  const float half_trace = 0.5F * (xx + yy);
+  const float half_difference = 0.5F * (xx - yy);
+  const float root = std::sqrt(half_difference * half_difference + xy * xy);
+  const float across = std::max(half_trace - root, 0.0F);
+  const float along = half_trace + root;
+  if (across > kMaxRoughness_m * kMaxRoughness_m || across > kMaxAspect * kMaxAspect * along)
+    return Eigen::Vector2f::Zero();
+  // Eigenvector of the larger value is (root + half_difference, xy) or (xy, root - half_difference).
+  const Eigen::Vector2f direction = half_difference >= 0.0F ? Eigen::Vector2f(root + half_difference, xy)
+                                                            : Eigen::Vector2f(xy, root - half_difference);
+  return Eigen::Vector2f(-direction.y(), direction.x()).normalized();
+}
+
+// Adds the neighbours of hit i on one side (step -1 or +1) up to a gap or the reach, but two if there are.
+void AddNeighbours(std::span<const Eigen::Vector2f> hits, std::size_t i, std::ptrdiff_t step, float max_gap,
+                   Moments* moments) {
+  const auto end = static_cast<std::ptrdiff_t>(hits.size());
+  int count = 0;
+  for (std::ptrdiff_t j = static_cast<std::ptrdiff_t>(i) + step; j >= 0 && j < end; j += step) {
+    const Eigen::Vector2f& hit = hits[static_cast<std::size_t>(j)];
+    const Eigen::Vector2f d = hit - hits[i];
+    if ((hit - hits[static_cast<std::size_t>(j - step)]).squaredNorm() > max_gap * max_gap) return;
+    if (count >= 2 && d.squaredNorm() > kNormalReach_m * kNormalReach_m) return;
+    moments->Add(d);
+    ++count;
+  }
+}
+
+Eigen::Vector2f NormalAt(std::span<const Eigen::Vector2f> hits, std::size_t i) {
+  Moments moments;
+  moments.Add(Eigen::Vector2f::Zero());
+  const float max_gap = kMaxGap_m + kMaxGapPerRange * hits[i].norm();
+  AddNeighbours(hits, i, -1, max_gap, &moments);
+  AddNeighbours(hits, i, 1, max_gap, &moments);
+  const Eigen::Vector2f normal = NormalOf(moments);
+  return normal.dot(hits[i]) > 0.0F ? Eigen::Vector2f(-normal) : normal;
+}
+
+// Distance across the beam to the neighbouring beam that hit: how well a single point is placed.
+float BeamSpacing(std::span<const Eigen::Vector2f> hits, std::size_t i) {
+  float spacing = std::numeric_limits<float>::max();
+  for (const std::size_t j : {i - 1, i + 1}) {
+    if (j >= hits.size()) continue;
+    const float cross = hits[i].x() * hits[j].y() - hits[i].y() * hits[j].x();
+    spacing = std::min(spacing, std::abs(cross) / hits[j].norm());
+  }
+  return spacing;
+}
+
+}  // namespace
+
+void SurfacePointsOfScan(std::span<const Eigen::Vector2f> hits, double spacing_m, std::size_t max_points,
+                         std::vector<SurfacePoint>* points) {
+  std::vector<std::size_t> kept;
+  for (auto spacing = static_cast<float>(spacing_m);; spacing *= 1.4142135F) {
+    kept.clear();
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      if (kept.empty() || (hits[i] - hits[kept.back()]).squaredNorm() >= spacing * spacing) kept.push_back(i);
+    }
+    if (max_points == 0 || kept.size() <= max_points) break;
+  }
+  points->clear();
+  for (const std::size_t i : kept) {
+    const Eigen::Vector2f normal = NormalAt(hits, i);
+    if (normal.isZero() && BeamSpacing(hits, i) > kMaxBeamSpacing_m) continue;
+    points->push_back({hits[i], normal});
+  }
+}
+
+SurfaceMap::SurfaceMap(double cell_size_m)
+    : cell_size_m_(cell_size_m), cells_per_m_(static_cast<float>(1.0 / cell_size_m)), surfels_(1) {}
+
+void SurfaceMap::Insert(const Pose2& map_from_scan, std::span<const SurfacePoint> points_in_scan) {
+  if (points_in_scan.empty()) return;
+  const Eigen::Matrix2f rotation = Rotation2(map_from_scan.theta).cast<float>();
+  const Eigen::Vector2f translation = map_from_scan.Translation().cast<float>();
+  moved_.clear();
+  Eigen::Vector2f low = translation;
+  Eigen::Vector2f high = translation;
+  for (const SurfacePoint& point : points_in_scan) {
+    moved_.push_back({rotation * point.position + translation, rotation * point.normal});
+    low = low.cwiseMin(moved_.back().position);
+    high = high.cwiseMax(moved_.back().position);
+  }
+  GrowToHold(low, high);
+  for (const SurfacePoint& point : moved_) Enter(point.position, point.normal);
+}
+
+void SurfaceMap::Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) {
+  const int column = static_cast<int>(std::floor(p.x() * cells_per_m_)) - min_column_;
+  const int row = static_cast<int>(std::floor(p.y() * cells_per_m_)) - min_row_;
+  std::uint32_t* link = &first_[IndexOf(column, row)];
+  if (*link == 0) {
+    for (int r = row - 1; r <= row + 1; ++r)
+      for (int c = column - 1; c <= column + 1; ++c) near_[IndexOf(c, r)] = 1;
+  }
+  while (*link != 0) {
+    Surfel& surfel = surfels_[*link];
+    if (surfel.normal_sum.dot(normal) >= 0.0F) {
+      surfel.count += 1.0F;
+      surfel.mean += (p - surfel.mean) / surfel.count;
+      surfel.normal_sum += normal;
+      const float length = surfel.normal_sum.norm();
+      surfel.normal = length > 0.5F * surfel.count ? Eigen::Vector2f(surfel.normal_sum / length)
+                                                   : Eigen::Vector2f(Eigen::Vector2f::Zero());
+      return;
+    }
+    link = &surfel.next;
+  }
+  *link = static_cast<std::uint32_t>(surfels_.size());
+  surfels_.push_back({.mean = p, .normal_sum = normal, .normal = normal, .count = 1.0F, .next = 0});
+}
+
+const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const {
+  const int column = static_cast<int>(std::floor(p.x() * cells_per_m_)) - min_column_;
+  const int row = static_cast<int>(std::floor(p.y() * cells_per_m_)) - min_row_;
+  // The outermost ring of cells is always empty, see GrowToHold.
+  if (column < 1 || row < 1 || column >= width_ - 1 || row >= height_ - 1) return nullptr;
+  if (near_[IndexOf(column, row)] == 0) return nullptr;
+  const Surfel* nearest = nullptr;
+  float nearest_square = std::numeric_limits<float>::max();
+  for (int r = row - 1; r <= row + 1; ++r) {
+    const std::uint32_t* cell = &first_[IndexOf(column - 1, r)];
+    for (int c = 0; c < 3; ++c) {
+      for (std::uint32_t i = cell[c]; i != 0; i = surfels_[i].next) {
+        const Surfel& surfel = surfels_[i];
+        if (surfel.normal.dot(normal) < 0.0F) continue;
+        const float square = (surfel.mean - p).squaredNorm();
+        if (square >= nearest_square) continue;
+        nearest_square = square;
+        nearest = &surfel;
+      }
+    }
+  }
+  return nearest;
+}
+
+void SurfaceMap::GrowToHold(const Eigen::Vector2f& low, const Eigen::Vector2f& high) {
+  const int low_column = static_cast<int>(std::floor(low.x() * cells_per_m_)) - 2;
+  const int low_row = static_cast<int>(std::floor(low.y() * cells_per_m_)) - 2;
+  const int high_column = static_cast<int>(std::floor(high.x() * cells_per_m_)) + 2;
+  const int high_row = static_cast<int>(std::floor(high.y() * cells_per_m_)) + 2;
+  const bool empty = width_ == 0;
+  if (!empty && low_column >= min_column_ && low_row >= min_row_ && high_column < min_column_ + width_ &&
+      high_row < min_row_ + height_) {
+    return;
+  }
+  const int min_column = empty ? low_column : std::min(min_column_, low_column - kGrowthCells);
+  const int min_row = empty ? low_row : std::min(min_row_, low_row - kGrowthCells);
+  const int end_column = std::max(empty ? high_column + 1 : min_column_ + width_, high_column + kGrowthCells);
+  const int end_row = std::max(empty ? high_row + 1 : min_row_ + height_, high_row + kGrowthCells);
+  const int width = end_column - min_column;
+  const int height = end_row - min_row;
+  const auto moved = [&](const auto& cells) {
+    std::remove_cvref_t<decltype(cells)> result(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
+    for (int row = 0; row < height_; ++row) {
+      const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(row) * width_;
+      std::copy(
+          begin, begin + width_,
+          result.begin() + static_cast<std::ptrdiff_t>(row + min_row_ - min_row) * width + (min_column_ - min_column));
+    }
+    return result;
+  };
+  first_ = moved(first_);
+  near_ = moved(near_);
+  min_column_ = min_column;
+  min_row_ = min_row;
+  width_ = width;
+  height_ = height;
+}
+
+}  // namespace survey

@@ -4,27 +4,49 @@
 #include <algorithm>
 #include <limits>
 
-#include "survey/grid/line_cells.h"
-
 namespace survey {
 namespace {
 
 constexpr double kQuantum = 0.01;  // log-odds of one step of evidence
+constexpr std::int16_t kNoStep = std::numeric_limits<std::int16_t>::min();
 constexpr int kGrowthCells = 128;  // the array grows in steps of this many cells; a multiple of 2^(levels-1)
 
 double LogOdds(double p) { return std::log(p / (1.0 - p)); }
+
+// Adds the steps to n cells, clamped to [1, highest], and puts kNoStep back in their place.
+void AddSteps(std::int16_t prior, std::int16_t highest, std::int16_t* steps, OccupancyPyramid::Evidence* cells, int n) {
+  for (int i = 0; i < n; ++i) {
+    const auto old = static_cast<std::int16_t>(cells[i]);
+    const std::int16_t from = old == 0 ? prior : old;
+    const auto sum = static_cast<std::int16_t>(from + steps[i]);
+    const std::int16_t clamped = std::clamp(sum, std::int16_t{1}, highest);
+    cells[i] = static_cast<OccupancyPyramid::Evidence>(steps[i] == kNoStep ? old : clamped);
+    steps[i] = kNoStep;
+  }
+}
+
+// Each of n cells becomes the maximum of two cells in each of two rows.
+void MaximaOfFour(const OccupancyPyramid::Evidence* lower, const OccupancyPyramid::Evidence* upper,
+                  OccupancyPyramid::Evidence* parents, int n) {
+  for (int i = 0; i < n; ++i) {
+    const auto value = [](OccupancyPyramid::Evidence e) { return static_cast<std::int16_t>(e); };
+    const std::int16_t left = std::max(value(lower[2 * i]), value(upper[2 * i]));
+    const std::int16_t right = std::max(value(lower[2 * i + 1]), value(upper[2 * i + 1]));
+    parents[i] = static_cast<OccupancyPyramid::Evidence>(std::max(left, right));
+  }
+}
 
 int FloorTo(int value, int step) { return (value >= 0 ? value / step : -((-value + step - 1) / step)) * step; }
 
 }  // namespace
 
 OccupancyPyramid::OccupancyPyramid(const OccupancyOptions& options) : options_(options) {
-  hit_step_ = static_cast<int>(std::lround(LogOdds(options.p_hit) / kQuantum));
-  miss_step_ = static_cast<int>(std::lround(LogOdds(options.p_miss) / kQuantum));
+  hit_step_ = static_cast<std::int16_t>(std::lround(LogOdds(options.p_hit) / kQuantum));
+  miss_step_ = static_cast<std::int16_t>(std::lround(LogOdds(options.p_miss) / kQuantum));
   const int lowest = static_cast<int>(std::lround(LogOdds(options.p_min) / kQuantum));
   const int highest = static_cast<int>(std::lround(LogOdds(options.p_max) / kQuantum));
-  prior_ = 1 - lowest;
-  max_evidence_ = 1 + highest - lowest;
+  prior_ = static_cast<std::int16_t>(1 - lowest);
+  max_evidence_ = static_cast<std::int16_t>(1 + highest - lowest);
   occupancy_of_.resize(static_cast<std::size_t>(max_evidence_) + 1);
   occupancy_of_[kUnknown] = static_cast<float>(options.p_min);
   for (int e = 1; e <= max_evidence_; ++e) {
@@ -46,81 +68,77 @@ void OccupancyPyramid::Insert(const Eigen::Vector2f& origin, std::span<const Eig
                               std::span<const Eigen::Vector2f> free_ends, std::span<const Eigen::Vector2f> surface) {
   Eigen::Vector2f low = origin;
   Eigen::Vector2f high = origin;
-  for (const std::span<const Eigen::Vector2f> ends : {hits, free_ends}) {
-    for (const Eigen::Vector2f& end : ends) {
-      low = low.cwiseMin(end);
-      high = high.cwiseMax(end);
+  for (const std::span<const Eigen::Vector2f> points : {hits, free_ends, surface}) {
+    for (const Eigen::Vector2f& point : points) {
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
     }
   }
   GrowToHold(low, high);
-  if (++scan_number_ == 0) {  // wrapped around: forget which cells old scans touched
-    std::fill(touched_.begin(), touched_.end(), std::uint16_t{0});
-    scan_number_ = 1;
+  const Level& base = levels_.front();
+  const int low_row = static_cast<int>(base.RowOf(low.y()));
+  const int high_row = static_cast<int>(base.RowOf(high.y()));
+  touched_.assign(static_cast<std::size_t>(base.height), {base.width, -1});
+  steps_.resize(static_cast<std::size_t>(base.width), kNoStep);
+
+  hit_columns_.Reset(base.height);
+  fan_.Begin(base.ColumnOf(origin.x()), base.RowOf(origin.y()));
+  const auto add = [&](std::span<const Eigen::Vector2f> points, bool have_rays, bool are_hits) {
+    for (const Eigen::Vector2f& point : points) {
+      const double x = base.ColumnOf(point.x());
+      const double y = base.RowOf(point.y());
+      const auto column = static_cast<int>(x);
+      const auto row = static_cast<int>(y);
+      if (have_rays) fan_.Add(x, y, column, row);
+      if (are_hits) hit_columns_.Add(row, column);
+    }
+  };
+  add(hits, true, true);
+  add(free_ends, true, false);
+  add(surface, false, true);
+  fan_.ForEachRow(low_row, high_row, [this](int row, std::span<const ColumnSpan> misses) { UpdateRow(row, misses); });
+  UpdateCoarseLevels(low_row, high_row);
+}
+
+void OccupancyPyramid::UpdateRow(int row, std::span<const ColumnSpan> misses) {
+  Level& base = levels_.front();
+  ColumnSpan touched{base.width, -1};
+  const auto touch = [&](const ColumnSpan& span) {
+    touched = {std::min(touched.first, span.first), std::max(touched.last, span.last)};
+  };
+  for (const ColumnSpan& span : misses) {
+    std::fill(steps_.begin() + span.first, steps_.begin() + span.last + 1, miss_step_);
+    touch(span);
   }
-  DrawHits(hits);
-  DrawHits(surface);
-  for (const Eigen::Vector2f& hit : hits) TraceMisses(origin, hit);
-  for (const Eigen::Vector2f& end : free_ends) TraceMisses(origin, end);
+  hit_columns_.ForEach(row, [&](int column) {
+    steps_[static_cast<std::size_t>(column)] = hit_step_;
+    touch({column, column});
+  });
+  if (touched.last < 0) return;
+  touched_[static_cast<std::size_t>(row)] = touched;
+  AddSteps(prior_, max_evidence_, steps_.data() + touched.first, base.RowBegin(row) + touched.first,
+           touched.last + 1 - touched.first);
 }
 
-void OccupancyPyramid::DrawHits(std::span<const Eigen::Vector2f> hits) {
-  const float cells_per_m = levels_.front().cells_per_m;
-  for (const Eigen::Vector2f& hit : hits) {
-    Update(static_cast<int>(std::floor(hit.x() * cells_per_m)), static_cast<int>(std::floor(hit.y() * cells_per_m)),
-           true);
-  }
-}
-
-void OccupancyPyramid::TraceMisses(const Eigen::Vector2f& origin, const Eigen::Vector2f& end) {
-  const float cells_per_m = levels_.front().cells_per_m;
-  ForEachCellOnLine(origin * cells_per_m, end * cells_per_m,
-                    [this](int column, int row) { Update(column, row, false); });
-}
-
-void OccupancyPyramid::Update(int column, int row, bool hit) {
-  Level& grid = levels_.front();
-  const std::size_t index = static_cast<std::size_t>(row - grid.min_row) * static_cast<std::size_t>(grid.width) +
-                            static_cast<std::size_t>(column - grid.min_column);
-  if (touched_[index] == scan_number_) return;
-  touched_[index] = scan_number_;
-  Evidence& evidence = grid.cells[index];
-  const Evidence old = evidence;
-  const int from = old == kUnknown ? prior_ : old;
-  evidence = static_cast<Evidence>(std::clamp(from + (hit ? hit_step_ : miss_step_), 1, max_evidence_));
-  if (evidence > old) {
-    RaiseParents(column, row, evidence);
-  } else if (evidence < old) {
-    RecomputeParents(column, row, old);
-  }
-}
-
-void OccupancyPyramid::RaiseParents(int column, int row, Evidence evidence) {
+void OccupancyPyramid::UpdateCoarseLevels(int low_row, int high_row) {
+  // Whole cells of the coarsest level, so that each level looks at rows of the one below only.
+  const int inner_rows = (1 << (levels_.size() - 1)) - 1;
+  low_row &= ~inner_rows;
+  high_row |= inner_rows;
   for (std::size_t level = 1; level < levels_.size(); ++level) {
     Level& grid = levels_[level];
-    Evidence& parent =
-        grid.cells[static_cast<std::size_t>((row >> level) - grid.min_row) * static_cast<std::size_t>(grid.width) +
-                   static_cast<std::size_t>((column >> level) - grid.min_column)];
-    if (parent >= evidence) return;
-    parent = evidence;
-  }
-}
-
-void OccupancyPyramid::RecomputeParents(int column, int row, Evidence old_evidence) {
-  for (std::size_t level = 1; level < levels_.size(); ++level) {
-    const Level& child = levels_[level - 1];
-    Level& grid = levels_[level];
-    const int parent_column = (column >> level) - grid.min_column;
-    const int parent_row = (row >> level) - grid.min_row;
-    Evidence& parent = grid.cells[static_cast<std::size_t>(parent_row) * static_cast<std::size_t>(grid.width) +
-                                  static_cast<std::size_t>(parent_column)];
-    if (parent != old_evidence) return;  // another child holds the maximum
-    const Evidence* lower =
-        &child.cells[static_cast<std::size_t>(2 * parent_row) * static_cast<std::size_t>(child.width) +
-                     static_cast<std::size_t>(2 * parent_column)];
-    const Evidence* upper = lower + child.width;
-    const Evidence highest = std::max(std::max(lower[0], lower[1]), std::max(upper[0], upper[1]));
-    if (highest == parent) return;
-    parent = highest;
+    Level& child = levels_[level - 1];
+    low_row /= 2;
+    high_row /= 2;
+    for (int row = low_row; row <= high_row; ++row) {
+      const ColumnSpan lower = touched_[static_cast<std::size_t>(2 * row)];
+      const ColumnSpan upper = touched_[static_cast<std::size_t>(2 * row) + 1];
+      ColumnSpan& touched = touched_[static_cast<std::size_t>(row)];
+      touched = {std::min(lower.first, upper.first) / 2, std::max(lower.last, upper.last) >> 1};
+      if (touched.last < 0) continue;
+      MaximaOfFour(child.RowBegin(2 * row) + 2 * touched.first, child.RowBegin(2 * row + 1) + 2 * touched.first,
+                   grid.RowBegin(row) + touched.first, touched.last + 1 - touched.first);
+    }
   }
 }
 
@@ -142,9 +160,8 @@ void OccupancyPyramid::GrowToHold(const Eigen::Vector2f& low, const Eigen::Vecto
   const int end_row =
       FloorTo((empty ? high_row : std::max(high_row, base.min_row + base.height - 1)) + kGrowthCells, kGrowthCells);
 
-  const auto moved = [](const auto& cells, const Level& from, const Level& to) {
-    std::remove_cvref_t<decltype(cells)> result(
-        static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height), 0);
+  const auto moved = [](const std::vector<Evidence>& cells, const Level& from, const Level& to) {
+    std::vector<Evidence> result(static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height), kUnknown);
     for (int row = 0; row < from.height; ++row) {
       const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(row) * from.width;
       std::copy(begin, begin + from.width,
@@ -159,7 +176,6 @@ void OccupancyPyramid::GrowToHold(const Eigen::Vector2f& low, const Eigen::Vecto
                 .min_row = min_row >> level,
                 .width = (end_column - min_column) >> level,
                 .height = (end_row - min_row) >> level};
-    if (level == 0) touched_ = moved(touched_, levels_[level], grown);
     grown.cells = moved(levels_[level].cells, levels_[level], grown);
     levels_[level] = std::move(grown);
   }

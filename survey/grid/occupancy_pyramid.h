@@ -13,6 +13,9 @@
 #include <span>
 #include <vector>
 
+#include "survey/grid/ray_fan.h"
+#include "survey/grid/row_lists.h"
+
 namespace survey {
 
 struct OccupancyOptions {
@@ -115,24 +118,30 @@ class OccupancyPyramid {
       if (column < 0 || row < 0 || column >= width || row >= height) return kUnknown;
       return cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
     }
+    Evidence* RowBegin(int row) {
+      return cells.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
+    }
+    // Place in the array, in cells.
+    double ColumnOf(float x) const { return static_cast<double>(x * cells_per_m) - min_column; }
+    double RowOf(float y) const { return static_cast<double>(y * cells_per_m) - min_row; }
   };
 
   void GrowToHold(const Eigen::Vector2f& low, const Eigen::Vector2f& high);
-  void Update(int column, int row, bool hit);
-  void RaiseParents(int column, int row, Evidence evidence);
-  void RecomputeParents(int column, int row, Evidence old_evidence);
-  void DrawHits(std::span<const Eigen::Vector2f> hits);
-  void TraceMisses(const Eigen::Vector2f& origin, const Eigen::Vector2f& end);
+  void UpdateRow(int row, std::span<const ColumnSpan> misses);  // of the scan that is being inserted; rows of the array
+  void UpdateCoarseLevels(int low_row, int high_row);
 
   OccupancyOptions options_;
-  int hit_step_ = 0;
-  int miss_step_ = 0;
-  int prior_ = 0;  // evidence of p = 0.5
-  int max_evidence_ = 0;
+  std::int16_t hit_step_ = 0;
+  std::int16_t miss_step_ = 0;
+  std::int16_t prior_ = 0;  // evidence of p = 0.5
+  std::int16_t max_evidence_ = 0;
   std::vector<float> occupancy_of_;  // by evidence
   std::vector<Level> levels_;
-  std::vector<std::uint16_t> touched_;  // level 0: number of the scan that last updated the cell
-  std::uint16_t scan_number_ = 0;
+  // Of the scan that is being inserted; kept for their memory.
+  RayFan fan_;
+  RowLists<int> hit_columns_;
+  std::vector<std::int16_t> steps_;  // by column of one row: what to add
+  std::vector<ColumnSpan> touched_;  // by row
 };
 
 }  // namespace survey

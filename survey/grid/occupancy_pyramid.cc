@@ -13,6 +13,18 @@ constexpr int kGrowthCells = 128;  // the array grows in steps of this many cell
 
 double LogOdds(double p) { return std::log(p / (1.0 - p)); }
 
+// Most spans are of a few cells: stores that overlap are faster than a loop.
+void FillShort(std::int16_t value, std::int16_t* begin, int n) {
+  if (n >= 8) {
+    std::fill_n(begin, n, value);
+  } else if (n >= 4) {
+    std::fill_n(begin, 4, value);
+    std::fill_n(begin + (n - 4), 4, value);
+  } else {
+    begin[0] = begin[n / 2] = begin[n - 1] = value;
+  }
+}
+
 // Adds the steps to n cells, clamped to [1, highest], and puts kNoStep back in their place.
 void AddSteps(std::int16_t prior, std::int16_t highest, std::int16_t* steps, OccupancyPyramid::Evidence* cells, int n) {
   for (int i = 0; i < n; ++i) {
@@ -78,7 +90,7 @@ void OccupancyPyramid::Insert(const Eigen::Vector2f& origin, std::span<const Eig
   const Level& base = levels_.front();
   const int low_row = static_cast<int>(base.RowOf(low.y()));
   const int high_row = static_cast<int>(base.RowOf(high.y()));
-  touched_.assign(static_cast<std::size_t>(base.height), {base.width, -1});
+  touched_.assign(static_cast<std::size_t>(base.height), {});
   steps_.resize(static_cast<std::size_t>(base.width), kNoStep);
 
   hit_columns_.Reset(base.height);
@@ -96,27 +108,24 @@ void OccupancyPyramid::Insert(const Eigen::Vector2f& origin, std::span<const Eig
   add(hits, true, true);
   add(free_ends, true, false);
   add(surface, false, true);
-  fan_.ForEachRow(low_row, high_row, [this](int row, std::span<const ColumnSpan> misses) { UpdateRow(row, misses); });
+  fan_.ForEachRow(
+      low_row, high_row,
+      [steps = steps_.data(), miss = miss_step_](int first, int last) {
+        FillShort(miss, steps + first, last + 1 - first);
+      },
+      [this](int row, const ColumnSpan& missed) { UpdateRow(row, missed); });
   UpdateCoarseLevels(low_row, high_row);
 }
 
-void OccupancyPyramid::UpdateRow(int row, std::span<const ColumnSpan> misses) {
-  Level& base = levels_.front();
-  ColumnSpan touched{base.width, -1};
-  const auto touch = [&](const ColumnSpan& span) {
-    touched = {std::min(touched.first, span.first), std::max(touched.last, span.last)};
-  };
-  for (const ColumnSpan& span : misses) {
-    std::fill(steps_.begin() + span.first, steps_.begin() + span.last + 1, miss_step_);
-    touch(span);
-  }
+void OccupancyPyramid::UpdateRow(int row, const ColumnSpan& missed) {
+  ColumnSpan touched = missed;
   hit_columns_.ForEach(row, [&](int column) {
     steps_[static_cast<std::size_t>(column)] = hit_step_;
-    touch({column, column});
+    touched = Hull(touched, {column, column});
   });
-  if (touched.last < 0) return;
   touched_[static_cast<std::size_t>(row)] = touched;
-  AddSteps(prior_, max_evidence_, steps_.data() + touched.first, base.RowBegin(row) + touched.first,
+  if (touched.empty()) return;
+  AddSteps(prior_, max_evidence_, steps_.data() + touched.first, levels_.front().RowBegin(row) + touched.first,
            touched.last + 1 - touched.first);
 }
 
@@ -134,8 +143,9 @@ void OccupancyPyramid::UpdateCoarseLevels(int low_row, int high_row) {
       const ColumnSpan lower = touched_[static_cast<std::size_t>(2 * row)];
       const ColumnSpan upper = touched_[static_cast<std::size_t>(2 * row) + 1];
       ColumnSpan& touched = touched_[static_cast<std::size_t>(row)];
-      touched = {std::min(lower.first, upper.first) / 2, std::max(lower.last, upper.last) >> 1};
-      if (touched.last < 0) continue;
+      touched = Hull(lower, upper);
+      if (touched.empty()) continue;
+      touched = {touched.first / 2, touched.last / 2};
       MaximaOfFour(child.RowBegin(2 * row) + 2 * touched.first, child.RowBegin(2 * row + 1) + 2 * touched.first,
                    grid.RowBegin(row) + touched.first, touched.last + 1 - touched.first);
     }

@@ -127,7 +127,7 @@ class OccupancyPyramid {
   };
 
   void GrowToHold(const Eigen::Vector2f& low, const Eigen::Vector2f& high);
-  void UpdateRow(int row, std::span<const ColumnSpan> misses);  // of the scan that is being inserted; rows of the array
+  void UpdateRow(int row, const ColumnSpan& missed);  // of the scan that is being inserted; rows of the array
   void UpdateCoarseLevels(int low_row, int high_row);
 
   OccupancyOptions options_;

@@ -2,18 +2,10 @@
 #include "survey/grid/ray_fan.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 namespace survey {
 namespace {
-
-constexpr std::uint64_t Bit(std::size_t i) { return std::uint64_t{1} << (i % 64); }
-
-// Columns from the one that the ray enters by to the one before its end.
-ColumnSpan UpToEnd(int column, int end_column) {
-  return end_column > column ? ColumnSpan{column, end_column - 1} : ColumnSpan{end_column + 1, column};
-}
 
 // Distance outwards, from the inner border of a row, up to which no whole cell fits between two rays with slopes
 // a <= b. One leaves the row where it crosses the outer border, the other enters it at the inner one.
@@ -33,7 +25,7 @@ void RayFan::Begin(double x, double y) {
   first_above_ = 1.0 - first_below_;
   above_.Clear();
   below_.Clear();
-  spans_.clear();
+  in_origin_row_.clear();
 }
 
 void RayFan::Add(double x, double y, int column, int row) {
@@ -42,7 +34,7 @@ void RayFan::Add(double x, double y, int column, int row) {
   } else if (row < row_) {
     below_.Add((x - x_) / (y_ - y), row_ - row, column);
   } else if (column != column_) {
-    spans_.push_back(UpToEnd(column_, column));
+    in_origin_row_.push_back(UpToEnd(column_, column));
   }
 }
 
@@ -82,55 +74,6 @@ void RayFan::Side::Arrange(double first, int num_steps) {
     const double last_fused_step = FusedReach(ray.slope, rays_[i + 1].slope) - first + 1.0;
     if (last_fused_step >= std::min(ray.crossings, rays_[i + 1].crossings)) continue;
     parting_.Add(static_cast<int>(std::floor(last_fused_step)) + 1, static_cast<std::uint32_t>(i));
-  }
-}
-
-void RayFan::Side::AppendSpans(int step, double x, std::vector<ColumnSpan>* spans) {
-  const double inner = first_ + step - 1;
-  ending_.ForEach(step, [&](std::uint32_t i) {
-    alive_[i / 64] &= ~Bit(i);
-    fused_[i / 64] &= ~Bit(i);
-    if (i > 0) fused_[(i - 1) / 64] &= ~Bit(i - 1);
-    const int column = static_cast<int>(x + inner * rays_[i].slope);
-    if (column != rays_[i].end_column) spans->push_back(UpToEnd(column, rays_[i].end_column));
-  });
-  parting_.ForEach(step, [&](std::uint32_t i) { fused_[i / 64] &= ~Bit(i); });
-  AppendRuns(step, x, spans);
-}
-
-void RayFan::Side::AppendRuns(int step, double x, std::vector<ColumnSpan>* spans) const {
-  const double inner = std::max(first_ + step - 1, 0.0);  // step 0 begins at the origin itself
-  const double outer = first_ + step;
-  const auto lowest_column = [&](std::size_t i) {
-    const double slope = rays_[i].slope;
-    return static_cast<int>(x + (slope < 0.0 ? outer : inner) * slope);
-  };
-  const auto highest_column = [&](std::size_t i) {
-    const double slope = rays_[i].slope;
-    return static_cast<int>(x + (slope < 0.0 ? inner : outer) * slope);
-  };
-  bool in_run = false;  // one that began in an earlier word
-  int first_column = 0;
-  std::uint64_t fused_before = 0;  // of the last ray of the word before, as bit 0
-  for (std::size_t word = 0; word < alive_.size(); ++word) {
-    const std::uint64_t alive = alive_[word];
-    const std::uint64_t fused = fused_[word];
-    std::uint64_t begins = alive & ~((fused << 1) | fused_before);
-    std::uint64_t ends = alive & ~fused;
-    fused_before = fused >> 63;
-    const auto take_begin = [&] {
-      first_column = lowest_column(64 * word + static_cast<std::size_t>(std::countr_zero(begins)));
-      begins &= begins - 1;
-    };
-    for (; ends != 0; ends &= ends - 1) {
-      if (!in_run) take_begin();
-      in_run = false;
-      spans->push_back({first_column, highest_column(64 * word + static_cast<std::size_t>(std::countr_zero(ends)))});
-    }
-    if (begins != 0) {
-      take_begin();
-      in_run = true;
-    }
   }
 }
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -32,12 +32,23 @@ Cells CellsOfFan(const Eigen::Vector2f& origin, const Points& ends) {
   }
   Cells cells;
   std::set<int> rows;
-  fan.ForEachRow(low_row, high_row, [&](int row, std::span<const ColumnSpan> spans) {
-    EXPECT_TRUE(rows.insert(row).second) << row;
-    for (const ColumnSpan& span : spans) {
-      for (int column = span.first; column <= span.last; ++column) cells.emplace(column, row);
-    }
-  });
+  std::vector<int> columns;
+  fan.ForEachRow(
+      low_row, high_row,
+      [&](int first, int last) {
+        EXPECT_LE(first, last);
+        for (int column = first; column <= last; ++column) columns.push_back(column);
+      },
+      [&](int row, const ColumnSpan& crossed) {
+        EXPECT_TRUE(rows.insert(row).second) << row;
+        EXPECT_EQ(crossed.empty(), columns.empty());
+        if (!columns.empty()) {
+          EXPECT_EQ(crossed.first, *std::min_element(columns.begin(), columns.end()));
+          EXPECT_EQ(crossed.last, *std::max_element(columns.begin(), columns.end()));
+        }
+        for (const int column : columns) cells.emplace(column, row);
+        columns.clear();
+      });
   EXPECT_EQ(rows.size(), static_cast<std::size_t>(high_row - low_row + 1));
   return cells;
 }
@@ -57,8 +68,8 @@ double DistanceOfCorners(const std::pair<int, int>& cell, const Eigen::Vector2f&
     for (const int dx : {0, 1}) {
       for (const int dy : {0, 1}) {
         const Eigen::Vector2d corner = Eigen::Vector2d(cell.first + dx, cell.second + dy) - origin.cast<double>();
-        nearest = std::min(nearest,
-                           std::abs(corner.x() * direction.y() - corner.y() * direction.x()) / direction.norm());
+        nearest =
+            std::min(nearest, std::abs(corner.x() * direction.y() - corner.y() * direction.x()) / direction.norm());
       }
     }
   }

@@ -7,6 +7,7 @@
 
 #include "survey/geometry/rigid_fit.h"
 #include "survey/graph/block_graph.h"
+#include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
 
 namespace survey {
@@ -173,7 +174,9 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
   }
 
   // Free solution: what the sensors alone say.
-  PoseGraphSummary summary = Solve(&block.graph, options.solver);
+  PoseGraphOptions free_options = options.solver;
+  free_options.chordal_start = true;  // a long tour may have drifted far
+  PoseGraphSummary summary = Solve(&block.graph, free_options);
   if (!summary.usable) return Failed("the free adjustment did not converge: " + summary.message);
 
   const GivenPoints given = PointsOfRole(control, PointRole::kControl);

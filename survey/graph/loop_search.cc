@@ -292,7 +292,7 @@ void LoopSearch::CloseLoops() {
     for (const Loop& loop : result_.loops) {
       if (loop.accepted) AddLoop(loop.constraint, &block_);
     }
-    Solve(&block_.graph, {});
+    Solve(&block_.graph, {.chordal_start = pass == 0});
     for (Loop& loop : result_.loops) {
       if (!loop.accepted) continue;
       const PoseEdge edge{block_.PoseOf(loop.constraint.submap), block_.PoseOf(loop.constraint.scan),

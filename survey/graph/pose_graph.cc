@@ -4,11 +4,9 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
-#include <algorithm>
 #include <array>
 
+#include "survey/graph/chordal_start.h"
 #include "survey/graph/graph_residuals.h"
 
 namespace survey {
@@ -75,10 +73,20 @@ class GivenPointCost : public ceres::SizedCostFunction<2, 2> {
 
 // The graph's unknowns as Ceres wants them, and back.
 struct Unknowns {
-  explicit Unknowns(const PoseGraph& graph) {
-    for (const Pose2& pose : graph.poses) poses.push_back({pose.x, pose.y, pose.theta});
-    for (const GraphPoint& point : graph.points) points.push_back({point.position.x(), point.position.y()});
+  explicit Unknowns(const PoseGraph& graph) : poses(graph.poses.size()), points(graph.points.size()) { Read(graph); }
+
+  void Read(const PoseGraph& graph) {
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      poses[i] = {graph.poses[i].x, graph.poses[i].y, graph.poses[i].theta};
+    for (std::size_t i = 0; i < points.size(); ++i)
+      points[i] = {graph.points[i].position.x(), graph.points[i].position.y()};
   }
+  void Write(PoseGraph* graph) const {
+    for (std::size_t i = 0; i < poses.size(); ++i)
+      graph->poses[i] = {poses[i][0], poses[i][1], NormalizeAngle(poses[i][2])};
+    for (std::size_t i = 0; i < points.size(); ++i) graph->points[i].position = {points[i][0], points[i][1]};
+  }
+
   std::vector<std::array<double, 3>> poses;
   std::vector<std::array<double, 2>> points;
 };
@@ -102,6 +110,21 @@ void BuildProblem(const PoseGraph& graph, double robust_scale, Unknowns* unknown
   if (graph.fixed_pose) problem->SetParameterBlockConstant(pose(*graph.fixed_pose));
 }
 
+double Cost(ceres::Problem* problem) {
+  double cost = 0.0;
+  problem->Evaluate({}, &cost, nullptr, nullptr, nullptr);
+  return cost;
+}
+
+// Puts the unknowns where the headings and positions from the edges alone are, if that costs less.
+void TakeChordalStart(const PoseGraph& graph, Unknowns* unknowns, ceres::Problem* problem) {
+  const std::optional<PoseGraph> start = ChordalStart(graph);
+  if (!start) return;
+  const double given = Cost(problem);
+  unknowns->Read(*start);
+  if (!(Cost(problem) < given)) unknowns->Read(graph);
+}
+
 }  // namespace
 
 PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options) {
@@ -114,11 +137,13 @@ PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options) {
   Unknowns unknowns(*graph);
   ceres::Problem problem;
   BuildProblem(*graph, options.robust_scale, &unknowns, &problem);
+  if (options.chordal_start) TakeChordalStart(*graph, &unknowns, &problem);
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   solver.max_num_iterations = options.max_iterations;
   solver.function_tolerance = 1e-9;
-  solver.num_threads = 1;  // one order of summation: the same bytes on every machine
+  solver.initial_trust_region_radius = 1e8;  // close to Gauss-Newton: starts are good
+  solver.num_threads = 1;                    // one order of summation: the same bytes on every machine
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
@@ -127,12 +152,7 @@ PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options) {
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.initial_cost = summary.initial_cost;
   result.final_cost = summary.final_cost;
-  for (std::size_t i = 0; i < graph->poses.size(); ++i) {
-    graph->poses[i] = {unknowns.poses[i][0], unknowns.poses[i][1], NormalizeAngle(unknowns.poses[i][2])};
-  }
-  for (std::size_t i = 0; i < graph->points.size(); ++i) {
-    graph->points[i].position = {unknowns.points[i][0], unknowns.points[i][1]};
-  }
+  unknowns.Write(graph);
   return result;
 }
 
@@ -140,51 +160,6 @@ double SquaredNormalisedResidual(const PoseEdge& edge, const std::vector<Pose2>&
   const RelativePoseResidual r = EvaluateRelativePose(
       poses[static_cast<std::size_t>(edge.base)], poses[static_cast<std::size_t>(edge.target)], edge.base_from_target);
   return r.error.dot(edge.covariance.llt().solve(r.error));
-}
-
-std::vector<Eigen::Matrix3d> PoseCovariances(const PoseGraph& graph, const std::vector<int>& poses) {
-  Unknowns unknowns(graph);
-  ceres::Problem problem;
-  BuildProblem(graph, 0.0, &unknowns, &problem);
-  std::vector<double*> blocks;
-  std::vector<int> column_of(graph.poses.size(), -1);
-  int columns = 0;
-  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
-    if (graph.fixed_pose && *graph.fixed_pose == static_cast<int>(i)) continue;
-    blocks.push_back(unknowns.poses[i].data());
-    column_of[i] = columns;
-    columns += 3;
-  }
-  for (std::size_t i = 0; i < graph.points.size(); ++i) {
-    if (!problem.HasParameterBlock(unknowns.points[i].data())) continue;
-    blocks.push_back(unknowns.points[i].data());
-    columns += 2;
-  }
-  ceres::Problem::EvaluateOptions evaluate;
-  evaluate.parameter_blocks = blocks;
-  evaluate.apply_loss_function = false;
-  ceres::CRSMatrix crs;
-  problem.Evaluate(evaluate, nullptr, nullptr, nullptr, &crs);
-  const Eigen::Map<Eigen::SparseMatrix<double, Eigen::RowMajor>> jacobian(
-      crs.num_rows, crs.num_cols, static_cast<int>(crs.values.size()), crs.rows.data(), crs.cols.data(),
-      crs.values.data());
-  const Eigen::SparseMatrix<double> columns_first(jacobian);
-  const Eigen::SparseMatrix<double> normal = columns_first.transpose() * columns_first;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(normal);
-  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) return {};
-  std::vector<Eigen::Matrix3d> covariances;
-  for (const int pose : poses) {
-    const int column = column_of[static_cast<std::size_t>(pose)];
-    if (column < 0) {
-      covariances.push_back(Eigen::Matrix3d::Zero());
-      continue;
-    }
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(columns, 3);
-    unit.block<3, 3>(column, 0).setIdentity();
-    const Eigen::MatrixXd inverse_columns = factor.solve(unit);
-    covariances.push_back(inverse_columns.block<3, 3>(column, 0));
-  }
-  return covariances;
 }
 
 }  // namespace survey

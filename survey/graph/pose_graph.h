@@ -49,6 +49,7 @@ struct PoseGraph {
 struct PoseGraphOptions {
   double robust_scale = 2.0;  // in sigmas: beyond, a robust edge loses weight (Cauchy)
   int max_iterations = 100;
+  bool chordal_start = false;  // also try ChordalStart and begin from whichever costs less: where poses may be far off
 };
 
 struct PoseGraphSummary {
@@ -64,9 +65,5 @@ PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options);
 
 // Whitened residual of an edge, squared: chi-square with three degrees of freedom when the covariance is true.
 double SquaredNormalisedResidual(const PoseEdge& edge, const std::vector<Pose2>& poses);
-
-// Covariances of the given poses at the solution (all observations without robust loss, inverse of the normal matrix).
-// Empty when the normal matrix is singular (no datum).
-std::vector<Eigen::Matrix3d> PoseCovariances(const PoseGraph& graph, const std::vector<int>& poses);
 
 }  // namespace survey

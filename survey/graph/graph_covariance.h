@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Covariances of a pose graph at its solution: elements of the inverse of the normal matrix of all observations,
+// without the robust loss. A held pose has none (zero).
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "survey/graph/pose_graph.h"
+#include "survey/graph/selected_inverse.h"
+
+namespace survey {
+
+class GraphCovariance {
+ public:
+  // Empty when the normal matrix is singular: no datum, or a pose that nothing holds.
+  static std::optional<GraphCovariance> Of(const PoseGraph& graph);
+
+  // x, y (m), theta (rad) in the graph's frame.
+  Eigen::Matrix3d OfPose(int pose) const;
+
+  // Share of an edge's three measured values that the others control: redundancy numbers r_i, 0 (nothing would show an
+  // error) to 1, summed over the edge. [Baarda68]: the trace of I - A Q A' P.
+  double RedundancyOf(const PoseEdge& edge) const;
+
+ private:
+  GraphCovariance(const PoseGraph& graph, std::vector<int> column_of, SelectedInverse inverse)
+      : graph_(&graph), column_of_(std::move(column_of)), inverse_(std::move(inverse)) {}
+
+  Eigen::Matrix3d Between(int pose, int other) const;
+
+  const PoseGraph* graph_;  // must outlive this
+  std::vector<int> column_of_;
+  SelectedInverse inverse_;
+};
+
+// Covariances of some poses, in their order; empty when the normal matrix is singular.
+std::vector<Eigen::Matrix3d> PoseCovariances(const PoseGraph& graph, const std::vector<int>& poses);
+
+}  // namespace survey

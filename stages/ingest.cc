@@ -8,7 +8,7 @@
 #include "formats/field_csv.h"
 #include "formats/field_data.h"
 #include "pipeline/stage.h"
-#include "survey/sensors/session_checks.h"
+#include "survey/inertial/motion_checks.h"
 
 namespace {
 
@@ -50,7 +50,8 @@ survey::Pose2 BodyFromLidar(const Mounting& given, const std::optional<survey::P
 // Throws the first fault; marks by their row.
 void RequireSound(const survey::Session& session, const std::vector<fs::path>& raw_files, const fs::path& marks_file,
                   const std::vector<int>& mark_rows) {
-  const std::vector<survey::SessionFault> faults = survey::CheckSession(session);
+  std::vector<survey::SessionFault> faults = survey::CheckSession(session);
+  if (faults.empty()) faults = survey::CheckMotionSensors(session);
   if (faults.empty()) return;
   const survey::SessionFault& first = faults.front();
   std::string where;
@@ -105,6 +106,7 @@ int main(int argc, char** argv) {
 
     std::vector<std::string> warnings = std::move(data.warnings);
     for (std::string& warning : survey::SessionWarnings(session)) warnings.push_back(std::move(warning));
+    for (std::string& warning : survey::MotionWarnings(session)) warnings.push_back(std::move(warning));
     for (const std::string& note : data.notes) run.Message(note);
     for (const std::string& warning : warnings) run.Warn(warning);
     formats::WriteSession(output, session, run.Provenance());

@@ -144,27 +144,64 @@ class Checks {
   std::vector<SessionFault> faults_;
 };
 
+template <typename Sample>
+void WarnOfGaps(const char* what, const std::vector<Sample>& samples, StampNs long_gap,
+                std::vector<std::string>* warnings) {
+  std::size_t gaps = 0;
+  StampNs longest = 0;
+  StampNs at = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const StampNs gap = samples[i].stamp_ns - samples[i - 1].stamp_ns;
+    gaps += gap > long_gap ? 1 : 0;
+    if (gap <= longest) continue;
+    longest = gap;
+    at = samples[i - 1].stamp_ns;
+  }
+  if (gaps == 0) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "%zu gaps of more than %.0f s between %s, the longest of %.1f s after %.3f", gaps,
+                Seconds(long_gap), what, Seconds(longest), Seconds(at));
+  warnings->push_back(text);
+}
+
+bool IsEmpty(const Scan& scan) {
+  return std::none_of(scan.ranges_m.begin(), scan.ranges_m.end(), [](float range) { return std::isfinite(range); });
+}
+
+// Scans in which nothing came back: the lidar was covered, or every range is at the maximum.
+void WarnOfEmptyScans(const Session& session, std::vector<std::string>* warnings) {
+  std::size_t count = 0;
+  std::size_t longest_begin = 0;
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < session.scans.size(); ++i) {
+    const std::size_t begin = i;
+    while (i < session.scans.size() && IsEmpty(session.scans[i])) ++i;
+    count += i - begin;
+    if (i - begin > longest) {
+      longest = i - begin;
+      longest_begin = begin;
+    }
+  }
+  if (count == 0) return;
+  const StampNs first = session.scans[longest_begin].stamp_ns;
+  const StampNs last = session.scans[longest_begin + longest - 1].stamp_ns;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "%zu scans without a single return (all at the maximum, or covered), most in a row from %.3f to %.3f",
+                count, Seconds(first), Seconds(last));
+  warnings->push_back(text);
+}
+
 }  // namespace
 
 std::vector<SessionFault> CheckSession(const Session& session) { return Checks(session).Run(); }
 
 std::vector<std::string> SessionWarnings(const Session& session) {
-  constexpr StampNs kLongGap = 5'000'000'000;
-  std::size_t gaps = 0;
-  StampNs longest = 0;
-  StampNs at = 0;
-  for (std::size_t i = 1; i < session.scans.size(); ++i) {
-    const StampNs gap = session.scans[i].stamp_ns - session.scans[i - 1].stamp_ns;
-    gaps += gap > kLongGap ? 1 : 0;
-    if (gap <= longest) continue;
-    longest = gap;
-    at = session.scans[i - 1].stamp_ns;
-  }
-  if (gaps == 0) return {};
-  char text[160];
-  std::snprintf(text, sizeof text, "%zu gaps of more than %.0f s between scans, the longest of %.1f s after %.3f", gaps,
-                Seconds(kLongGap), Seconds(longest), Seconds(at));
-  return {text};
+  std::vector<std::string> warnings;
+  WarnOfGaps("scans", session.scans, 5'000'000'000, &warnings);
+  WarnOfGaps("odometry samples", session.odometry, 1'000'000'000, &warnings);
+  WarnOfEmptyScans(session, &warnings);
+  return warnings;
 }
 
 }  // namespace survey

@@ -25,7 +25,7 @@ struct SessionFault {
 // often written so), hold a scan and do not overlap.
 std::vector<SessionFault> CheckSession(const Session& session);
 
-// Oddities that a person should know of: long gaps between scans.
+// Oddities that a person should know of: long gaps between scans or odometry, scans without a return.
 std::vector<std::string> SessionWarnings(const Session& session);
 
 }  // namespace survey

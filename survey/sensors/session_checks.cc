@@ -145,14 +145,14 @@ class Checks {
 };
 
 template <typename Sample>
-void WarnOfGaps(const char* what, const std::vector<Sample>& samples, StampNs long_gap,
-                std::vector<std::string>* warnings) {
+void WarnOfGaps(const char* what, const std::vector<Sample>& samples, std::vector<std::string>* warnings) {
+  constexpr StampNs kLongGap = 5'000'000'000;
   std::size_t gaps = 0;
   StampNs longest = 0;
   StampNs at = 0;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     const StampNs gap = samples[i].stamp_ns - samples[i - 1].stamp_ns;
-    gaps += gap > long_gap ? 1 : 0;
+    gaps += gap > kLongGap ? 1 : 0;
     if (gap <= longest) continue;
     longest = gap;
     at = samples[i - 1].stamp_ns;
@@ -160,7 +160,7 @@ void WarnOfGaps(const char* what, const std::vector<Sample>& samples, StampNs lo
   if (gaps == 0) return;
   char text[160];
   std::snprintf(text, sizeof text, "%zu gaps of more than %.0f s between %s, the longest of %.1f s after %.3f", gaps,
-                Seconds(long_gap), what, Seconds(longest), Seconds(at));
+                Seconds(kLongGap), what, Seconds(longest), Seconds(at));
   warnings->push_back(text);
 }
 
@@ -198,8 +198,8 @@ std::vector<SessionFault> CheckSession(const Session& session) { return Checks(s
 
 std::vector<std::string> SessionWarnings(const Session& session) {
   std::vector<std::string> warnings;
-  WarnOfGaps("scans", session.scans, 5'000'000'000, &warnings);
-  WarnOfGaps("odometry samples", session.odometry, 1'000'000'000, &warnings);
+  WarnOfGaps("scans", session.scans, &warnings);
+  WarnOfGaps("odometry samples", session.odometry, &warnings);
   WarnOfEmptyScans(session, &warnings);
   return warnings;
 }

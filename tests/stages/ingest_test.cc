@@ -27,7 +27,8 @@ std::string ScanRows(int from, int to) {
 std::string ImuRows() {
   std::string rows = "t,gx,gy,gz,ax,ay,az\n";
   for (int i = 0; i < 40; ++i)
-    rows += std::to_string(100 + i / 4) + "." + std::to_string(i % 4 * 25) + "1,0,0,0.1,0,0,9.81\n";
+    rows += std::to_string(100 + i / 4) + "." + std::to_string(i % 4 * 25) + "1,0,0,0.1,0,0,9.8" +
+            std::to_string(i % 3) + "\n";
   return rows;
 }
 

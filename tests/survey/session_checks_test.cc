@@ -109,12 +109,12 @@ TEST(SessionChecksTest, TellsOfLongGaps) {
 
 TEST(SessionChecksTest, TellsOfGapsInTheOdometryAndOfEmptyScans) {
   Session session = SoundSession();
-  session.odometry.erase(session.odometry.begin() + 5, session.odometry.begin() + 9);
+  session.odometry.erase(session.odometry.begin() + 5, session.odometry.begin() + 16);
   for (std::size_t i = 8; i < 12; ++i) session.scans[i].ranges_m = {kNoReturn, kNoReturn, kInvalidRange};
   session.scans[2].ranges_m[0] = kNoReturn;
   const std::vector<std::string> warnings = SessionWarnings(session);
   ASSERT_EQ(warnings.size(), 2U);
-  EXPECT_EQ(warnings[0], "1 gaps of more than 1 s between odometry samples, the longest of 2.5 s after 102.000");
+  EXPECT_EQ(warnings[0], "1 gaps of more than 5 s between odometry samples, the longest of 6.0 s after 102.000");
   EXPECT_EQ(warnings[1],
             "5 scans without a single return (all at the maximum, or covered), most in a row from 104.000 to 105.500");
 }

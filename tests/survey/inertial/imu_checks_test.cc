@@ -9,9 +9,11 @@
 #include <functional>
 #include <numbers>
 
+#include "formats/field_data.h"
 #include "survey/simulation/floor_plan.h"
 #include "survey/simulation/rig.h"
 #include "survey/simulation/route.h"
+#include "tests/support/real_data.h"
 #include "tests/support/room_scenario.h"
 
 namespace survey {
@@ -136,6 +138,26 @@ TEST(ImuChecksTest, GapsAndTiltAreToldOf) {
   EXPECT_FALSE(FindImuFault(tilted, {}));
   ASSERT_EQ(ImuWarnings(tilted).size(), 1U);
   EXPECT_NE(ImuWarnings(tilted)[0].find("tilted by 23 degrees"), std::string::npos) << ImuWarnings(tilted)[0];
+}
+
+std::vector<ImuSample> ReadBag(const std::string& name, std::vector<OdometrySample>* odometry) {
+  const auto file = test_support::RealData(name);
+  if (!file) return {};
+  formats::FieldData data = formats::ReadFieldData(*file, {});
+  *odometry = std::move(data.odometry);
+  return std::move(data.imu);
+}
+
+TEST(ImuChecksTest, RealRobots) {
+  std::vector<OdometrySample> odometry;
+  const std::vector<ImuSample> jackal = ReadBag("bags/test2_jackal_imu_odom.bag", &odometry);
+  if (jackal.empty()) GTEST_SKIP() << "shared data set bags/ not found";
+  const std::optional<ImuFault> fault = FindImuFault(jackal, odometry);
+  EXPECT_FALSE(fault) << fault->message;
+  EXPECT_TRUE(FindUnusable(jackal).empty());
+  // This Husky carries its IMU on edge.
+  const std::vector<ImuSample> husky = ReadBag("bags/test1_husky_imu_odom_gps.bag", &odometry);
+  ExpectFault(husky, odometry, "gravity shows on y (+9.79 m/s2), the IMU's axes are exchanged");
 }
 
 }  // namespace

@@ -6,9 +6,12 @@
 #include <gdal.h>
 
 #include "formats/errors.h"
+#include "formats/provenance.h"
 
 namespace formats {
 namespace {
+
+[[maybe_unused]] const bool kReadsProvenance = (SetGeoTiffProvenanceReader(&ProvenanceOfGeoTiff), true);
 
 void CPL_STDCALL Collect(CPLErr kind, CPLErrorNum, const char* message) {
   if (kind == CE_Failure || kind == CE_Fatal)

@@ -48,6 +48,12 @@ Provenance ProvenanceFromJson(const nlohmann::json& json);  // DataError when ma
 enum class FileKind { kSqlite, kGeoTiff, kJson, kOther };
 FileKind KindOfFile(const std::filesystem::path& file);
 
+// GeoTIFF needs GDAL, whose libraries take longer to load than many a stage runs. So only programs that use GDAL
+// (GdalSession) read it; in all others a GeoTIFF is a DataError.
+using GeoTiffProvenanceReader = std::optional<Provenance> (*)(const std::filesystem::path&);
+void SetGeoTiffProvenanceReader(GeoTiffProvenanceReader reader);
+std::optional<Provenance> ProvenanceOfGeoTiff(const std::filesystem::path& file);
+
 // As ReadProvenance; none for whole TIFF and JSON files without provenance, which are not Plumbline's.
 std::optional<Provenance> FindProvenance(const std::filesystem::path& file);
 

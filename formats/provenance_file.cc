@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gdal_priv.h>
-
 #include <fstream>
 
 #include "formats/artefact_file.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
-#include "formats/gdal_session.h"
 #include "formats/provenance.h"
 
 namespace formats {
@@ -25,21 +22,11 @@ std::string FirstBytes(const std::filesystem::path& file) {
   return bytes;
 }
 
-Provenance FromText(const std::filesystem::path& file, const std::string& text) {
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
-  if (json.is_discarded()) throw DataError(file.string() + ": damaged: the provenance is not JSON");
-  return ProvenanceFromJson(json);
-}
+constinit GeoTiffProvenanceReader geo_tiff_reader = nullptr;
 
 std::optional<Provenance> OfGeoTiff(const std::filesystem::path& file) {
-  const GdalSession session;
-  const char* const drivers[] = {"GTiff", nullptr};
-  const GDALDatasetUniquePtr data(
-      GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
-  if (!data) session.Throw(file, "cannot be read as GeoTIFF");
-  const char* text = data->GetMetadataItem("PLUMBLINE_PROVENANCE");
-  if (text == nullptr) return std::nullopt;
-  return FromText(file, text);
+  if (geo_tiff_reader == nullptr) throw DataError(file.string() + ": is a raster; this program reads none");
+  return geo_tiff_reader(file);
 }
 
 std::optional<Provenance> OfJson(const std::filesystem::path& file) {
@@ -50,6 +37,8 @@ std::optional<Provenance> OfJson(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+void SetGeoTiffProvenanceReader(GeoTiffProvenanceReader reader) { geo_tiff_reader = reader; }
 
 FileKind KindOfFile(const std::filesystem::path& file) {
   const std::string bytes = FirstBytes(file);

@@ -42,8 +42,8 @@ class Words {
     if (!count || *count < 0 || *count > kMostBeams) {
       Refuse(count_field, word, "must be a whole number from 0 to " + std::to_string(kMostBeams));
     }
-    std::vector<float> numbers;
-    for (long long i = 0; i < *count; ++i) {
+    std::vector<float> numbers = PlainNumbers(static_cast<std::size_t>(*count));
+    for (auto i = static_cast<long long>(numbers.size()); i < *count; ++i) {
       if (empty()) {
         throw DataError(name_ + ": wrong beam count: found " + std::to_string(i) + " " + field + ", expected " +
                         std::to_string(*count));
@@ -75,6 +75,22 @@ class Words {
 
  private:
   static constexpr long long kMostBeams = 100'000;
+
+  // Takes numbers for as long as they are plain and a blank apart.
+  std::vector<float> PlainNumbers(std::size_t most) {
+    const char* next = rest_.data();
+    const char* const end = next + rest_.size();
+    std::vector<float> numbers;
+    while (numbers.size() < most && next != end && *next == ' ') {
+      float number = 0.0F;
+      const char* const stop = ScanPlainNumber(next + 1, end, &number);
+      if (stop == nullptr || stop == end || *stop != ' ') break;
+      numbers.push_back(number);
+      next = stop;
+    }
+    rest_.remove_prefix(static_cast<std::size_t>(next - rest_.data()));
+    return numbers;
+  }
 
   [[noreturn]] void Refuse(const char* field, std::string_view word, const std::string& rule) const {
     throw DataError(name_ + ": " + field + " = \"" + std::string(word.substr(0, 40)) + "\": " + rule);

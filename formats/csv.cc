@@ -20,37 +20,43 @@ std::string Joined(const std::vector<std::string>& words) {
 
 CsvReader::CsvReader(const std::filesystem::path& file) : lines_(file) {}
 
-void CsvReader::Split(std::string_view line) {
+bool CsvReader::NextRow() {
+  std::string_view text;
+  if (!NextRowText(&text)) return false;
+  SplitRow();
+  return true;
+}
+
+bool CsvReader::NextRowText(std::string_view* text) {
+  do {
+    if (!lines_.Next(&row_text_)) return false;
+    row_text_ = Trimmed(row_text_);
+  } while (row_text_.empty() || row_text_.front() == '#');
+  *text = row_text_;
+  return true;
+}
+
+void CsvReader::SplitRow() {
   fields_.clear();
-  const char* begin = line.data();
-  const char* const end = begin + line.size();
+  const char* begin = row_text_.data();
+  const char* const end = begin + row_text_.size();
   while (true) {
     const char* comma = static_cast<const char*>(std::memchr(begin, ',', static_cast<std::size_t>(end - begin)));
     const char* stop = comma != nullptr ? comma : end;
     std::string_view field = Trimmed({begin, static_cast<std::size_t>(stop - begin)});
     if (field.size() >= 2 && field.front() == '"' && field.back() == '"') field = field.substr(1, field.size() - 2);
     fields_.push_back(field);
-    if (comma == nullptr) return;
+    if (comma == nullptr) break;
     begin = comma + 1;
   }
-}
-
-bool CsvReader::NextRow() {
-  std::string_view line;
-  do {
-    if (!lines_.Next(&line)) return false;
-    line = Trimmed(line);
-  } while (line.empty() || line.front() == '#');
-  Split(line);
   if (!columns_.empty() && fields_.size() != columns_.size()) {
     std::string hint;
-    if (fields_.size() == 1 && line.find(';') != std::string_view::npos)
+    if (fields_.size() == 1 && row_text_.find(';') != std::string_view::npos)
       hint = "; separate fields by commas, not semicolons, and write numbers with a decimal point";
     if (fields_.size() > columns_.size()) hint = "; a decimal comma? Write numbers with a decimal point";
     FailRow(std::to_string(fields_.size()) + " fields, expected " + std::to_string(columns_.size()) + " (" +
             Joined(columns_) + ")" + hint);
   }
-  return true;
 }
 
 void CsvReader::ReadHeader(const std::vector<std::string>& columns) {

@@ -26,6 +26,10 @@ class CsvReader {
   // The next row with fields; false at the end of the file.
   bool NextRow();
 
+  // The same in two steps, for readers that take most rows as they stand: the text of the next row, then its fields.
+  bool NextRowText(std::string_view* text);
+  void SplitRow();
+
   // The line of the next row as it stands, comment or not; for headers of another form. False at the end of the file.
   bool NextLine(std::string_view* line) { return lines_.Next(line); }
 
@@ -42,9 +46,8 @@ class CsvReader {
   [[noreturn]] void FailRow(const std::string& what) const;
 
  private:
-  void Split(std::string_view line);
-
   LineReader lines_;
+  std::string_view row_text_;
   std::vector<std::string> columns_;
   std::vector<std::string_view> fields_;
 };

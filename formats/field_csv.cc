@@ -77,23 +77,48 @@ ScanGeometry ReadScansHeader(CsvReader* csv, const FieldDataOptions& options) {
   return geometry;
 }
 
+float RangeWithin(float range, const ScanGeometry& geometry) {
+  return range > geometry.range_max_m   ? survey::kNoReturn
+         : range < geometry.range_min_m ? survey::kInvalidRange
+                                        : range;
+}
+
+// A whole scan of plain numbers and empty fields, as programs write it. False for any other row, good or bad.
+bool ReadPlainScan(std::string_view row, const ScanGeometry& geometry, Scan* scan) {
+  const std::size_t comma = row.find(',');
+  if (comma == std::string_view::npos) return false;
+  const std::optional<StampNs> stamp = ParseStamp(row.substr(0, comma));
+  if (!stamp) return false;
+  scan->stamp_ns = *stamp;
+  scan->ranges_m.clear();
+  scan->ranges_m.reserve(static_cast<std::size_t>(geometry.num_beams));
+  const char* next = row.data() + comma;
+  const char* const end = row.data() + row.size();
+  while (next != end) {
+    if (*next++ != ',') return false;
+    float range = survey::kNoReturn;
+    if (next != end && *next != ',') {
+      next = ScanPlainNumber(next, end, &range);
+      if (next == nullptr) return false;
+      range = RangeWithin(range, geometry);
+    }
+    scan->ranges_m.push_back(range);
+  }
+  return scan->ranges_m.size() == static_cast<std::size_t>(geometry.num_beams);
+}
+
 std::vector<float> ReadRanges(const CsvReader& csv, const ScanGeometry& geometry) {
   const std::vector<std::string_view>& fields = csv.fields();
-  std::vector<float> ranges(fields.size() - 1);
+  std::vector<float> ranges(fields.size() - 1, survey::kNoReturn);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const std::string_view field = fields[i + 1];
-    if (field.empty()) {
-      ranges[i] = survey::kNoReturn;
-      continue;
-    }
+    if (field.empty()) continue;
     const std::optional<float> range = ParseFloat(field);
     if (!range) {
       csv.FailRow("r" + std::to_string(i) + " = \"" + std::string(field.substr(0, 80)) + "\": " + WhyNotANumber(field) +
                   "; leave the field empty where nothing came back");
     }
-    ranges[i] = *range > geometry.range_max_m   ? survey::kNoReturn
-                : *range < geometry.range_min_m ? survey::kInvalidRange
-                                                : *range;
+    ranges[i] = RangeWithin(*range, geometry);
   }
   return ranges;
 }
@@ -159,7 +184,15 @@ ScansCsv ReadScansCsv(const fs::path& file, const FieldDataOptions& options) {
   CsvReader csv(file);
   ScansCsv result{.geometry = ReadScansHeader(&csv, options)};
   StampOrder order;
-  while (csv.NextRow()) {
+  std::string_view row;
+  while (csv.NextRowText(&row)) {
+    Scan scan;
+    if (!result.scans.empty() && ReadPlainScan(row, result.geometry, &scan)) {
+      order.Check(csv, scan.stamp_ns);
+      result.scans.push_back(std::move(scan));
+      continue;
+    }
+    csv.SplitRow();
     const int beams = static_cast<int>(csv.fields().size()) - 1;
     if (result.scans.empty()) {
       result.geometry.num_beams = beams;

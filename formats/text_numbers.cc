@@ -26,6 +26,9 @@ std::optional<T> Parse(std::string_view text) {
 
 template <typename T>
 std::optional<T> ParseFinite(std::string_view text) {
+  const char* const end = text.data() + text.size();
+  T plain{};
+  if (!text.empty() && ScanPlainNumber(text.data(), end, &plain) == end) return plain;
   const std::optional<T> value = Parse<T>(text);
   return value && std::isfinite(*value) ? value : std::nullopt;
 }

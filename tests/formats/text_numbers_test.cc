@@ -3,6 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <charconv>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "survey/stats/philox.h"
+
 namespace formats {
 namespace {
 
@@ -52,6 +59,50 @@ TEST(ParseNumberTest, RefusesAnythingButAFiniteNumber) {
   EXPECT_EQ(WhyNotANumber("1,5"), "decimal comma: write numbers with a decimal point");
   EXPECT_EQ(WhyNotANumber("-inf"), "must be a finite number");
   EXPECT_EQ(WhyNotANumber("abc"), "is not a number");
+}
+
+// The plain form against the library's own conversion, to the last bit.
+template <typename T>
+void ExpectPlainNumbersExact(int most_digits) {
+  for (std::uint32_t i = 0; i < 20000; ++i) {
+    const survey::RandomStream random(3, 1, i);
+    const auto digits = static_cast<int>(random.Uniform(0, 1, most_digits + 3));
+    std::string text = random.Uniform(1) < 0.3 ? "-" : "";
+    const auto point = static_cast<int>(random.Uniform(2, 1, digits + 2));
+    for (int k = 0; k < digits; ++k) {
+      if (k == point) text += '.';
+      text += static_cast<char>('0' + static_cast<int>(random.Uniform(static_cast<std::uint64_t>(10 + k), 0, 10)));
+    }
+    T expected{};
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), expected);
+    ASSERT_TRUE(error == std::errc() && stop == text.data() + text.size()) << text;
+    T value{};
+    const char* const end = ScanPlainNumber(text.data(), text.data() + text.size(), &value);
+    if (digits > most_digits) {
+      EXPECT_EQ(end, nullptr) << text;
+      continue;
+    }
+    ASSERT_EQ(end, text.data() + text.size()) << text;
+    EXPECT_EQ(std::memcmp(&value, &expected, sizeof value), 0) << text << " " << value << " " << expected;
+  }
+}
+
+TEST(TextNumbers, PlainNumbersAreExact) {
+  ExpectPlainNumbersExact<float>(7);
+  ExpectPlainNumbersExact<double>(15);
+}
+
+TEST(TextNumbers, PlainNumbersEndWhereTheyEnd) {
+  const auto length = [](std::string_view text) -> std::ptrdiff_t {
+    float value = 0.0F;
+    const char* const end = ScanPlainNumber(text.data(), text.data() + text.size(), &value);
+    return end == nullptr ? -1 : end - text.data();
+  };
+  EXPECT_EQ(length("4.9,3"), 3);
+  EXPECT_EQ(length("4.,3"), 2);
+  EXPECT_EQ(length("12m"), 2);  // what follows is for the caller to judge
+  for (const char* text : {"", "-", ".", ".5", "+1", " 1", "1e3", "1.5E1", "1.2.3", "nan", "12345678", "1.2345678"})
+    EXPECT_EQ(length(text), -1) << text;
 }
 
 }  // namespace

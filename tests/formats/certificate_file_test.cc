@@ -11,6 +11,7 @@
 #include "survey/accuracy/certify.h"
 #include "survey/stats/philox.h"
 #include "tests/support/json_schema.h"
+#include "tests/support/paths.h"
 #include "tests/support/scratch_folder.h"
 
 namespace {
@@ -57,7 +58,7 @@ TEST(CertificateFileTest, ReadsBackWhatItWrote) {
 TEST(CertificateFileTest, FollowsItsSchema) {
   const test_support::ScratchFolder scratch;
   const nlohmann::json schema =
-      nlohmann::json::parse(formats::ReadWholeFile(PLUMBLINE_SOURCE_DIR "/formats/certificate.schema.json"));
+      nlohmann::json::parse(formats::ReadWholeFile(test_support::SourceFolder() / "formats/certificate.schema.json"));
   survey::Certificate untested;
   untested.blocks.push_back({.name = "B1"});
   for (const survey::Certificate& certificate : {Example(), survey::Certificate(), untested}) {

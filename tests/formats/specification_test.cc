@@ -5,12 +5,13 @@
 
 #include "formats/artefact_formats.h"
 #include "formats/atomic_file.h"
+#include "tests/support/paths.h"
 
 namespace formats {
 namespace {
 
 TEST(Specification, QuotesEverySchema) {
-  const std::string text = ReadWholeFile(std::string(PLUMBLINE_SOURCE_DIR) + "/formats/README.md");
+  const std::string text = ReadWholeFile(test_support::SourceFolder() / "formats/README.md");
   EXPECT_NE(text.find("```sql" + std::string(kCommonSchema)), std::string::npos);
   for (const ArtefactFormat& format : AllFormats()) {
     EXPECT_NE(text.find("```sql" + std::string(format.schema) + "```"), std::string::npos)

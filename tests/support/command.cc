@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "formats/atomic_file.h"
+#include "tests/support/paths.h"
 #include "tests/support/scratch_folder.h"
 
 namespace test_support {
@@ -21,7 +22,7 @@ std::string Quoted(const std::string& word) {
 
 CommandResult RunCommand(const std::vector<std::string>& command, const std::string& working_folder) {
   const ScratchFolder scratch;
-  std::string line = "cd " + Quoted(working_folder) + " && PATH=" + Quoted(PLUMBLINE_BIN_DIR) + ":\"$PATH\"";
+  std::string line = "cd " + Quoted(working_folder) + " && PATH=" + Quoted(BinFolder()) + ":\"$PATH\"";
   for (const std::string& word : command) line += " " + Quoted(word);
   line += " >" + Quoted(scratch / "out") + " 2>" + Quoted(scratch / "err") + " </dev/null";
   const int status = std::system(line.c_str());

@@ -16,6 +16,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/digest.h"
+#include "tests/support/paths.h"
 
 extern char** environ;
 
@@ -43,8 +44,8 @@ void Collect(const fs::path& site, const std::string& folder, std::map<std::stri
 const fs::path& FieldDataOfTwoRooms() {
   static const ScratchFolder scratch;
   static const fs::path field = [] {
-    Require(RunCommand({"plumbline-simulate", "--scenario", PLUMBLINE_SOURCE_DIR "/tests/jobs/two_rooms.toml",
-                        "--output", scratch / "field", "--quiet"}));
+    Require(RunCommand({"plumbline-simulate", "--scenario", SourceFolder() / "tests/jobs/two_rooms.toml", "--output",
+                        scratch / "field", "--quiet"}));
     return scratch / "field";
   }();
   return field;
@@ -117,7 +118,7 @@ bool JobSite::RunAndKillAfter(std::chrono::milliseconds delay) const {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   for (const int output : {1, 2}) posix_spawn_file_actions_addopen(&actions, output, "/dev/null", O_WRONLY, 0);
-  std::string program = std::string(PLUMBLINE_BIN_DIR) + "/plumbline";
+  std::string program = BinFolder() / "plumbline";
   std::string run = "run";
   std::string site = site_.string();
   const std::array<char*, 4> argv = {program.data(), run.data(), site.data(), nullptr};

@@ -6,6 +6,8 @@
 #include <optional>
 #include <string>
 
+#include "tests/support/paths.h"
+
 namespace test_support {
 
 // A file of the real data that tests use where it is there: below $PLUMBLINE_DATA, else ../shared/data beside the
@@ -13,7 +15,7 @@ namespace test_support {
 inline std::optional<std::filesystem::path> RealData(const std::string& name) {
   const char* given = std::getenv("PLUMBLINE_DATA");
   const std::filesystem::path folder =
-      given != nullptr ? std::filesystem::path(given) : std::filesystem::path(PLUMBLINE_SOURCE_DIR) / "../shared/data";
+      given != nullptr ? std::filesystem::path(given) : SourceFolder() / "../shared/data";
   std::error_code error;
   if (!std::filesystem::exists(folder / name, error)) return std::nullopt;
   return folder / name;

@@ -18,6 +18,7 @@ constexpr double kOccupied = 0.65;
 constexpr double kFree = 0.35;
 constexpr int kMarginCells = 8;  // of the smoothing in FaceImage
 constexpr double kMinCosine = 0.6;
+constexpr double kOwnCosine = 0.8;  // cells at a corner look between its faces and belong to both
 constexpr int kDirections = 180;
 
 // The part of a raster round a cell.
@@ -83,11 +84,11 @@ struct Band {
 };
 
 Band BandOf(const std::vector<FaceCell>& cells, const Vector2d& normal, double offset, double half_width,
-            double max_gap) {
+            double max_gap, double min_cosine) {
   const Vector2d along(-normal.y(), normal.x());
   std::vector<std::size_t> inside;
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (std::abs(normal.dot(cells[i].p) - offset) <= half_width && normal.dot(cells[i].normal) >= kMinCosine)
+    if (std::abs(normal.dot(cells[i].p) - offset) <= half_width && normal.dot(cells[i].normal) >= min_cosine)
       inside.push_back(i);
   }
   const auto place = [&](std::size_t i) { return along.dot(cells[i].p); };
@@ -112,26 +113,13 @@ Band BandOf(const std::vector<FaceCell>& cells, const Vector2d& normal, double o
   return best;
 }
 
-// Standard deviations of offset and angle. A face along the cells lies in one phase of them, the same all along: that
-// shifts it but does not turn it. A tilted face runs through all phases, which average out over its length but turn a
-// short one. The figures, in cells, were found by simulation (see the tests).
-void SetSigmas(double length, double cell_size_m, FaceLine* line) {
-  const double tilt = line->normal.cwiseAbs().minCoeff() / line->normal.cwiseAbs().maxCoeff();
-  const double phases = length * tilt / cell_size_m;
-  if (phases < 0.5) {
-    line->sigma_offset = cell_size_m / std::sqrt(12.0);  // anywhere in its cells
-    line->sigma_angle = 0.3 * line->sigma_offset / length;
-  } else {
-    line->sigma_offset = cell_size_m * std::hypot(0.08, 0.25 / std::sqrt(1.0 + phases));
-    line->sigma_angle = 3.0 * line->sigma_offset / length;
-  }
-}
+// The ends of a face belong to corners: their cells are smeared round them.
+double TrimOf(double length, double cell_size_m) { return std::min(1.5 * cell_size_m, 0.2 * length); }
 
-// Weighted total least squares through the band's middle, then the step from the middle of the band to the face.
+// Weighted total least squares: the middle of the band.
 std::optional<FaceLine> FitBand(const std::vector<FaceCell>& cells, const Band& band, const Vector2d& towards,
                                 double cell_size_m) {
-  // The ends belong to corners: their cells are smeared round them.
-  const double trim = std::min(1.5 * cell_size_m, 0.2 * (band.end - band.begin));
+  const double trim = TrimOf(band.end - band.begin, cell_size_m);
   const Vector2d along(-towards.y(), towards.x());
   double weight = 0.0;
   Vector2d mean = Vector2d::Zero();
@@ -156,11 +144,7 @@ std::optional<FaceLine> FitBand(const std::vector<FaceCell>& cells, const Band& 
   line.begin = band.begin;
   line.end = band.end;
   line.num_cells = static_cast<int>(used.size());
-  const double length = band.end - band.begin - 2 * trim + cell_size_m;
-  const double crossed = line.normal.cwiseAbs().sum();  // cells across where there is no noise
-  const double thickness = weight * cell_size_m / length;
-  line.offset = line.normal.dot(mean) + 0.25 * (thickness - crossed) * cell_size_m;
-  SetSigmas(length, cell_size_m, &line);
+  line.offset = line.normal.dot(mean);
   return line;
 }
 
@@ -169,13 +153,25 @@ std::optional<FaceLine> Refine(const std::vector<FaceCell>& cells, const Candida
   double offset = candidate.offset;
   std::optional<FaceLine> line;
   for (int round = 0; round < 3; ++round) {
-    const Band band = BandOf(cells, normal, offset, 2.0 * cell_size_m, 3.0 * cell_size_m);
+    const Band band = BandOf(cells, normal, offset, 2.0 * cell_size_m, 3.0 * cell_size_m, kMinCosine);
     line = FitBand(cells, band, normal, cell_size_m);
     if (!line) return std::nullopt;
     normal = line->normal;
     offset = line->offset;
   }
   return line;
+}
+
+// From the middle of the band to the face.
+void Sharpen(const std::vector<ObservedCell>& observed, double cell_size_m, FaceLine* line) {
+  const double trim = TrimOf(line->Length(), cell_size_m);
+  const FacePlace place = PlaceFace(
+      observed, {.normal = line->normal, .offset = line->offset, .from = line->begin + trim, .to = line->end - trim},
+      cell_size_m);
+  line->normal = place.normal;
+  line->offset = place.offset;
+  line->sigma_offset = place.sigma_offset;
+  line->sigma_angle = place.sigma_angle;
 }
 
 }  // namespace
@@ -203,7 +199,8 @@ std::vector<FaceCell> FaceCellsNear(const SiteRaster& raster, const Vector2d& p_
   return cells;
 }
 
-std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, double cell_size_m, const FaceLineOptions& options) {
+std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, const std::vector<ObservedCell>& observed,
+                                    double cell_size_m, const FaceLineOptions& options) {
   std::vector<FaceLine> lines;
   for (int attempt = 0; attempt < 2 * options.max_lines && static_cast<int>(lines.size()) < options.max_lines;
        ++attempt) {
@@ -212,9 +209,12 @@ std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, double cell_siz
     const std::optional<FaceLine> line = Refine(cells, candidate, cell_size_m);
     const Vector2d normal = line ? line->normal : candidate.normal;
     const double offset = line ? line->offset : candidate.offset;
-    const Band taken = BandOf(cells, normal, offset, 2.5 * cell_size_m, 3.0 * cell_size_m);
+    const Band taken = BandOf(cells, normal, offset, 2.5 * cell_size_m, 3.0 * cell_size_m, kOwnCosine);
     if (taken.cells.empty()) break;
-    if (line && line->Length() >= options.min_length_m) lines.push_back(*line);
+    if (line && line->Length() >= options.min_length_m) {
+      lines.push_back(*line);
+      Sharpen(observed, cell_size_m, &lines.back());
+    }
     std::vector<bool> gone(cells.size(), false);
     for (const std::size_t i : taken.cells) gone[i] = true;
     std::size_t kept = 0;

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Straight wall faces in a small part of an occupancy raster, with the place of the face below the cell.
-//
-// A wall in a raster is the band of cells in which its face was hit, more than the noise is wide. The band is not
-// centred on the face. On the free side most rays pass a cell, so it counts as wall only where hits are more than a
-// few percent of them (about one sigma in front of the face); behind the face no ray passes and a single hit is enough
-// (about three sigmas). So of the growth of the band beyond the cells that the face itself crosses a quarter lies in
-// front and three quarters behind, and the face lies a quarter of the growth in front of the band's middle.
+// Straight wall faces in a small part of an occupancy raster: found as bands of wall cells that look the same way, then
+// placed below the cell (face_profile.h).
 #pragma once
 
 #include <Eigen/Core>
 #include <vector>
 
+#include "survey/features/face_profile.h"
 #include "survey/grid/site_raster.h"
 
 namespace survey {
@@ -48,8 +44,10 @@ struct FaceLineOptions {
   int max_lines = 8;
 };
 
-// Faces in order of their weight. Deterministic: the best line over all directions (2 degrees) and offsets (half cells)
-// is refined by weighted total least squares and its cells taken out, again and again.
-std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, double cell_size_m, const FaceLineOptions& options);
+// Faces in order of their weight; `observed` are all cells of the same part. Deterministic: the best line over all
+// directions (2 degrees) and offsets (half cells) is refined by weighted total least squares and its cells taken out,
+// again and again.
+std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, const std::vector<ObservedCell>& observed,
+                                    double cell_size_m, const FaceLineOptions& options);
 
 }  // namespace survey

@@ -126,8 +126,10 @@ std::optional<OppositeFaces> AcrossOf(const std::vector<FaceLine>& lines, const 
   return std::nullopt;
 }
 
-std::optional<Centre> SquareCentre(const std::vector<FaceCell>& cells, double cell_size_m, double max_size_m) {
-  const std::vector<FaceLine> lines = FindFaceLines(cells, cell_size_m, {.min_length_m = 0.15, .max_lines = 6});
+std::optional<Centre> SquareCentre(const std::vector<FaceCell>& cells, const std::vector<ObservedCell>& observed,
+                                   double cell_size_m, double max_size_m) {
+  const std::vector<FaceLine> lines =
+      FindFaceLines(cells, observed, cell_size_m, {.min_length_m = 0.15, .max_lines = 6});
   const auto first = FindOpposite(lines, max_size_m, 0.0, Vector2d::UnitX());
   if (!first) return std::nullopt;
   const auto second = AcrossOf(lines, *first, max_size_m);
@@ -157,6 +159,7 @@ MapFeature LocatePillar(const SiteRaster& map, const NamedFeature& wanted, const
   MapFeature feature;
   const double reach = options.max_pillar_size_m * std::numbers::sqrt2 / 2 + options.search_radius_m;
   const std::vector<FaceCell> all = FaceCellsNear(map, wanted.position_in_site, reach);
+  const std::vector<ObservedCell> observed = CellsNear(map, wanted.position_in_site, reach);
   std::optional<Centre> best;
   Vector2d about = Vector2d::Zero();
   // Twice: the outside of the pillar is known better from its own centre than from the surveyed one.
@@ -165,7 +168,7 @@ MapFeature LocatePillar(const SiteRaster& map, const NamedFeature& wanted, const
         LookingAwayFrom(all, about, options.max_pillar_size_m * std::numbers::sqrt2 / 2);
     if (cells.empty()) break;
     best = RoundCentre(cells, map.cell_size_m, options.max_pillar_size_m / 2);
-    const auto square = SquareCentre(cells, map.cell_size_m, options.max_pillar_size_m);
+    const auto square = SquareCentre(cells, observed, map.cell_size_m, options.max_pillar_size_m);
     if (square && (!best || square->rms_m < best->rms_m)) best = square;
     if (!best) break;
     about = best->p;

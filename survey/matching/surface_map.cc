@@ -7,9 +7,11 @@
 namespace survey {
 namespace {
 
-constexpr float kNormalReach_m = 0.3F;     // neighbours along the scan that count for a normal
-constexpr float kMaxGap_m = 0.3F;          // neighbours farther apart than this ...
-constexpr float kMaxGapPerRange = 0.1F;    // ... and this part of the range lie on different surfaces
+constexpr float kNormalReach_m = 0.3F;   // neighbours along the scan that count for a normal
+constexpr float kMaxGap_m = 0.3F;        // neighbours farther apart than this ...
+constexpr float kMaxGapPerRange = 0.1F;  // ... and this part of the range lie on different surfaces
+constexpr float kNeighboursPerSide = 6.0F;
+constexpr float kMaxNeighbourStep = 12.0F;
 constexpr float kMaxBeamSpacing_m = 0.1F;  // single points of wider beams are left out
 constexpr float kMaxRoughness_m = 0.03F;   // rms distance from the line
 constexpr float kMaxAspect = 0.25F;        // rms across by rms along
@@ -47,7 +49,18 @@ Eigen::Vector2f NormalOf(const Moments& m) {
   return Eigen::Vector2f(-direction.y(), direction.x()).normalized();
 }
 
-// Adds the neighbours of hit i on one side (step -1 or +1) up to a gap or the reach, but two if there are.
+// Distance across the beam to the neighbouring beam that hit: how well a single point is placed.
+float BeamSpacing(std::span<const Eigen::Vector2f> hits, std::size_t i) {
+  float spacing = std::numeric_limits<float>::max();
+  for (const std::size_t j : {i - 1, i + 1}) {
+    if (j >= hits.size()) continue;
+    const float cross = hits[i].x() * hits[j].y() - hits[i].y() * hits[j].x();
+    spacing = std::min(spacing, std::abs(cross) / hits[j].norm());
+  }
+  return spacing;
+}
+
+// Adds the neighbours of hit i on one side, every |step|-th, up to a gap or the reach, but two if there are.
 void AddNeighbours(std::span<const Eigen::Vector2f> hits, std::size_t i, std::ptrdiff_t step, float max_gap,
                    Moments* moments) {
   const auto end = static_cast<std::ptrdiff_t>(hits.size());
@@ -62,25 +75,17 @@ void AddNeighbours(std::span<const Eigen::Vector2f> hits, std::size_t i, std::pt
   }
 }
 
-Eigen::Vector2f NormalAt(std::span<const Eigen::Vector2f> hits, std::size_t i) {
+Eigen::Vector2f NormalAt(std::span<const Eigen::Vector2f> hits, std::size_t i, float beam_spacing) {
   Moments moments;
   moments.Add(Eigen::Vector2f::Zero());
   const float max_gap = kMaxGap_m + kMaxGapPerRange * hits[i].norm();
-  AddNeighbours(hits, i, -1, max_gap, &moments);
-  AddNeighbours(hits, i, 1, max_gap, &moments);
+  // Some neighbours tell as much as all of them.
+  const auto step = static_cast<std::ptrdiff_t>(
+      std::clamp(kNormalReach_m / (kNeighboursPerSide * beam_spacing), 1.0F, kMaxNeighbourStep));
+  AddNeighbours(hits, i, -step, max_gap, &moments);
+  AddNeighbours(hits, i, step, max_gap, &moments);
   const Eigen::Vector2f normal = NormalOf(moments);
   return normal.dot(hits[i]) > 0.0F ? Eigen::Vector2f(-normal) : normal;
-}
-
-// Distance across the beam to the neighbouring beam that hit: how well a single point is placed.
-float BeamSpacing(std::span<const Eigen::Vector2f> hits, std::size_t i) {
-  float spacing = std::numeric_limits<float>::max();
-  for (const std::size_t j : {i - 1, i + 1}) {
-    if (j >= hits.size()) continue;
-    const float cross = hits[i].x() * hits[j].y() - hits[i].y() * hits[j].x();
-    spacing = std::min(spacing, std::abs(cross) / hits[j].norm());
-  }
-  return spacing;
 }
 
 }  // namespace
@@ -97,8 +102,9 @@ void SurfacePointsOfScan(std::span<const Eigen::Vector2f> hits, double spacing_m
   }
   points->clear();
   for (const std::size_t i : kept) {
-    const Eigen::Vector2f normal = NormalAt(hits, i);
-    if (normal.isZero() && BeamSpacing(hits, i) > kMaxBeamSpacing_m) continue;
+    const float beam_spacing = BeamSpacing(hits, i);
+    const Eigen::Vector2f normal = NormalAt(hits, i, beam_spacing);
+    if (normal.isZero() && beam_spacing > kMaxBeamSpacing_m) continue;
     points->push_back({hits[i], normal});
   }
 }

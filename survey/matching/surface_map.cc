@@ -12,9 +12,9 @@ constexpr float kMaxGap_m = 0.3F;        // neighbours farther apart than this .
 constexpr float kMaxGapPerRange = 0.1F;  // ... and this part of the range lie on different surfaces
 constexpr float kNeighboursPerSide = 6.0F;
 constexpr float kMaxNeighbourStep = 12.0F;
-constexpr float kMaxBeamSpacing_m = 0.1F;  // single points of wider beams are left out
-constexpr float kMaxRoughness_m = 0.03F;   // rms distance from the line
-constexpr float kMaxAspect = 0.25F;        // rms across by rms along
+constexpr float kSharpBeamSpacing_m = 0.03F;  // single points of wider beams weigh less
+constexpr float kMaxRoughness_m = 0.03F;      // rms distance from the line
+constexpr float kMaxAspect = 0.25F;           // rms across by rms along
 constexpr int kGrowthCells = 64;
 
 // Line through neighbouring points: second moments about their mean.
@@ -104,8 +104,8 @@ void SurfacePointsOfScan(std::span<const Eigen::Vector2f> hits, double spacing_m
   for (const std::size_t i : kept) {
     const float beam_spacing = BeamSpacing(hits, i);
     const Eigen::Vector2f normal = NormalAt(hits, i, beam_spacing);
-    if (normal.isZero() && beam_spacing > kMaxBeamSpacing_m) continue;
-    points->push_back({hits[i], normal});
+    const float blur = std::max(1.0F, beam_spacing / kSharpBeamSpacing_m);
+    points->push_back({hits[i], normal, normal.isZero() ? 1.0F / (blur * blur) : 1.0F});
   }
 }
 
@@ -120,7 +120,7 @@ void SurfaceMap::Insert(const Pose2& map_from_scan, std::span<const SurfacePoint
   Eigen::Vector2f low = translation;
   Eigen::Vector2f high = translation;
   for (const SurfacePoint& point : points_in_scan) {
-    moved_.push_back({rotation * point.position + translation, rotation * point.normal});
+    moved_.push_back({rotation * point.position + translation, rotation * point.normal, point.weight});
     low = low.cwiseMin(moved_.back().position);
     high = high.cwiseMax(moved_.back().position);
   }

@@ -20,11 +20,12 @@ namespace survey {
 struct SurfacePoint {
   Eigen::Vector2f position;
   Eigen::Vector2f normal = Eigen::Vector2f::Zero();
+  float weight =
+      1.0F;  // of a point without normal: less where beams are far apart and the point may lie anywhere between
 };
 
 // Points of `hits` (in order along the scan, lidar at the origin) at least spacing_m apart, with normals from their
-// neighbours along the scan. The spacing grows until at most max_points remain (0: no limit). Points without a normal
-// are left out where beams are far apart: they would be dots to which the same beams of the next scan stick.
+// neighbours along the scan. The spacing grows until at most max_points remain (0: no limit).
 void SurfacePointsOfScan(std::span<const Eigen::Vector2f> hits, double spacing_m, std::size_t max_points,
                          std::vector<SurfacePoint>* points);
 

@@ -82,7 +82,7 @@ Normals Evaluate(const SurfaceMap& map, std::span<const SurfacePoint> points, st
       if (r * r < inlier_square) ++result.inliers;
     } else {
       const float square = d.squaredNorm();
-      const float w = point_weight / (1.0F + square * inverse_loss_square);
+      const float w = points[i].weight * point_weight / (1.0F + square * inverse_loss_square);
       sums.Add(1.0F, 0.0F, rx, ry, d.x(), w);
       sums.Add(0.0F, 1.0F, rx, ry, d.y(), w);
       if (square < inlier_square) ++result.inliers;
@@ -101,10 +101,7 @@ MatchResult MatchToSurfaces(const SurfaceMap* coarse, const SurfaceMap& map,
                             const Eigen::Matrix3d& prediction_covariance, const SurfaceMatchOptions& options) {
   MatchResult result{.map_from_scan = start};
   if (points_in_scan.empty()) return result;
-  const Eigen::Vector3d weights(options.prediction_weight_m, options.prediction_weight_m,
-                                options.prediction_weight_rad);
-  const Eigen::Matrix3d prediction_information =
-      weights.cwiseSqrt().asDiagonal() * prediction_covariance.inverse() * weights.cwiseSqrt().asDiagonal();
+  const Eigen::Matrix3d prediction_information = prediction_covariance.inverse();
   const auto offset = [&](const Pose2& pose) {
     return Eigen::Vector3d(pose.x - predicted.x, pose.y - predicted.y, NormalizeAngle(pose.theta - predicted.theta));
   };

@@ -16,14 +16,11 @@ namespace survey {
 
 struct SurfaceMatchOptions {
   double min_sigma_m = 0.008;      // of one distance; larger where the distances of the scan at hand are
-  double independent_share = 0.2;  // of the points: neighbouring beams err alike
-  double prediction_weight_m = 1.0;
-  double prediction_weight_rad =
-      0.1;                     // errors of predictions are systematic: at full weight they would pull every scan
-  double loss_m = 0.1;         // Cauchy: distances beyond lose weight
-  double coarse_loss_m = 0.2;  // of the first steps
-  double point_weight = 0.2;   // of points without a normal, against those with
-  double inlier_m = 0.1;       // points nearer to a surface count for the score
+  double independent_share = 0.1;  // of the points: neighbouring beams err alike
+  double loss_m = 0.1;             // Cauchy: distances beyond lose weight
+  double coarse_loss_m = 0.2;      // of the first steps
+  double point_weight = 0.2;       // of points without a normal, against those with
+  double inlier_m = 0.1;           // points nearer to a surface count for the score
   int max_iterations = 12;
   double step_m = 2e-4;  // converged below this step
   double step_rad = 2e-5;

@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
   stage.Input("session", &session_file, "session of the block");
   stage.Input("track", &track_file, "its track");
   stage.Output("output", &output, "loops.sqlite to write");
-  stage.Option("submap-cell-size-m", &options.grid.cell_size_m, "cell of the submaps (m)", {.min = 0.005, .max = 1.0});
+  stage.Option("search-cell-size-m", &options.place.search_cell_size_m, "cell of branch and bound (m)",
+               {.min = 0.02, .max = 1.0});
   stage.Option("max-range-m", &options.max_range_m, "ranges beyond are not used (m)", {.min = 1.0});
   stage.Option("node-spacing-m", &options.node_spacing_m, "one scan per this much path is searched (m)", {.min = 0.05});
   stage.Option("min-detour-m", &options.min_detour_m, "scans closer along the track are no loops (m)", {.min = 0.0});
@@ -39,8 +40,7 @@ int main(int argc, char** argv) {
                                session_file.string() + " has " + std::to_string(session.scans.size()) +
                                ": they do not belong together");
     }
-    pipeline::Progress progress =
-        run.Track("submaps", static_cast<std::int64_t>(track.submaps.size()) * options.rounds);
+    pipeline::Progress progress = run.Track("submaps", static_cast<std::int64_t>(track.submaps.size()));
     const survey::Loops loops = survey::FindLoops(session, track, options, [&](std::size_t done, std::size_t) {
       progress.Advance(static_cast<std::int64_t>(done));
     });

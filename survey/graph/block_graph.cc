@@ -16,9 +16,16 @@ namespace {
 // the same drawing and are far from independent: together they weigh as much as a few independent ones.
 void AddMemberships(const Track& track, BlockGraph* block) {
   constexpr double kIndependentNodes = 2.0;
+  const auto taken = [&](const SubmapConstraint& constraint) {
+    return std::binary_search(block->nodes.begin(), block->nodes.end(), constraint.scan);
+  };
+  std::vector<int> count(track.submaps.size(), 0);
   for (const SubmapConstraint& constraint : track.constraints) {
-    const double nodes =
-        static_cast<double>(track.submaps[static_cast<std::size_t>(constraint.submap.value)].nodes.size());
+    if (taken(constraint)) ++count[static_cast<std::size_t>(constraint.submap.value)];
+  }
+  for (const SubmapConstraint& constraint : track.constraints) {
+    if (!taken(constraint)) continue;
+    const double nodes = count[static_cast<std::size_t>(constraint.submap.value)];
     block->graph.edges.push_back({block->PoseOf(constraint.submap), block->PoseOf(constraint.scan),
                                   constraint.submap_from_scan,
                                   constraint.covariance * std::max(1.0, nodes / kIndependentNodes), false});
@@ -43,14 +50,20 @@ void AddMotions(const Track& track, BlockGraph* block) {
 }  // namespace
 
 BlockGraph MakeBlockGraph(const Track& track) {
+  std::vector<ScanId> nodes;
+  for (const TrackedScan& scan : track.scans) {
+    if (scan.is_node) nodes.push_back(scan.scan);
+  }
+  return MakeBlockGraph(track, nodes);
+}
+
+BlockGraph MakeBlockGraph(const Track& track, const std::vector<ScanId>& nodes) {
   BlockGraph block;
+  block.nodes = nodes;
   block.num_submaps = track.submaps.size();
   for (const Submap& submap : track.submaps) block.graph.poses.push_back(submap.local_from_submap);
-  for (const TrackedScan& scan : track.scans) {
-    if (!scan.is_node) continue;
-    block.nodes.push_back(scan.scan);
-    block.graph.poses.push_back(scan.local_from_scan);
-  }
+  for (const ScanId node : nodes)
+    block.graph.poses.push_back(track.scans[static_cast<std::size_t>(node.value)].local_from_scan);
   AddMemberships(track, &block);
   AddMotions(track, &block);
   for (const TrackedMark& mark : track.marks) block.point_names.push_back(mark.point);

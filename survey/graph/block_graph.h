@@ -13,7 +13,7 @@ namespace survey {
 
 struct BlockGraph {
   PoseGraph graph;            // poses: submaps first, then nodes in order of time; points: those marked, by name
-  std::vector<ScanId> nodes;  // scan of each node
+  std::vector<ScanId> nodes;  // scan of each node, ascending
   std::vector<std::string> point_names;
 
   int PoseOf(SubmapId submap) const { return submap.value; }
@@ -23,6 +23,10 @@ struct BlockGraph {
 
 // Poses start where the track has them (local frame), the first submap is held. Same-point marks tie together.
 BlockGraph MakeBlockGraph(const Track& track);
+
+// The same with some of the nodes only, ascending, among them all that carry marks: a coarser trajectory that bends as
+// the whole one does.
+BlockGraph MakeBlockGraph(const Track& track, const std::vector<ScanId>& nodes);
 
 void AddLoop(const SubmapConstraint& loop, BlockGraph* block);
 

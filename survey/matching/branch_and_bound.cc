@@ -8,14 +8,13 @@
 namespace survey {
 namespace {
 
-using Cell = Eigen::Vector2i;
-
 constexpr float kFarthestForStep_m = 12.0F;
 
-// The scan turned by one angle of the window, in cells of the map at the window's centre.
+// The scan turned by one angle of the window: places of its points in the grids, at the window's centre. Points that no
+// shift brings onto the map are left out; they add nothing.
 struct TurnedScan {
   double angle_rad = 0.0;  // relative to the centre
-  std::vector<Cell> cells;
+  std::vector<int> places;
 };
 
 struct Candidate {
@@ -27,6 +26,7 @@ struct Candidate {
 
 struct SearchGrid {
   std::vector<TurnedScan> scans;
+  int num_points = 0;
   int half_shift = 0;
   int min_sum = 0;  // sum of values that a result must exceed
 };
@@ -42,31 +42,51 @@ SearchGrid PrepareSearch(const SlidingMaximumGrids& grids, std::span<const Eigen
   const int half_steps = static_cast<int>(std::ceil(window.half_angle_rad / step));
 
   SearchGrid search;
-  search.half_shift = static_cast<int>(std::ceil(window.half_width_m / grids.cell_size_m()));
-  const double n = static_cast<double>(points_in_scan.size());
+  search.num_points = static_cast<int>(points_in_scan.size());
+  search.half_shift =
+      std::min(static_cast<int>(std::ceil(window.half_width_m / grids.cell_size_m())), grids.max_shift());
   const double min_value = (window.min_score - static_cast<double>(grids.OccupancyOf(0))) /
                            static_cast<double>(grids.OccupancyOf(1) - grids.OccupancyOf(0));
-  search.min_sum = static_cast<int>(std::floor(std::max(min_value, 0.0) * n));
+  search.min_sum = static_cast<int>(std::floor(std::max(min_value, 0.0) * search.num_points));
   const auto cells_per_m = static_cast<float>(1.0 / grids.cell_size_m());
   for (int k = -half_steps; k <= half_steps; ++k) {
-    TurnedScan scan{.angle_rad = k * step};
+    TurnedScan scan{.angle_rad = k * step, .places = {}};
     const auto c = static_cast<float>(std::cos(centre.theta + scan.angle_rad));
     const auto s = static_cast<float>(std::sin(centre.theta + scan.angle_rad));
-    scan.cells.reserve(points_in_scan.size());
+    scan.places.reserve(points_in_scan.size());
     for (const Eigen::Vector2f& p : points_in_scan) {
-      scan.cells.emplace_back(
-          static_cast<int>(std::floor((c * p.x() - s * p.y() + static_cast<float>(centre.x)) * cells_per_m)),
-          static_cast<int>(std::floor((s * p.x() + c * p.y() + static_cast<float>(centre.y)) * cells_per_m)));
+      const auto column =
+          static_cast<int>(std::floor((c * p.x() - s * p.y() + static_cast<float>(centre.x)) * cells_per_m));
+      const auto row =
+          static_cast<int>(std::floor((s * p.x() + c * p.y() + static_cast<float>(centre.y)) * cells_per_m));
+      if (grids.InReach(column, row)) scan.places.push_back(grids.IndexOf(column, row));
     }
-    search.scans.push_back(std::move(scan));
+    // Even if all that is left fell on the best cells it would not do.
+    if (255 * static_cast<int>(scan.places.size()) > search.min_sum) search.scans.push_back(std::move(scan));
   }
   return search;
 }
 
-int SumOfValues(const SlidingMaximumGrids& grids, int level, const TurnedScan& scan, int shift_x, int shift_y) {
+int SumOfValues(const std::uint8_t* values, const TurnedScan& scan, int offset) {
   int sum = 0;
-  for (const Cell& cell : scan.cells) sum += grids.At(level, cell.x() + shift_x, cell.y() + shift_y);
+  for (const int place : scan.places) sum += values[place + offset];
   return sum;
+}
+
+// Sums for the shift that `offset` stands for, and for `half` more along x, y and both.
+std::array<int, 4> SumsOfFour(const std::uint8_t* values, const TurnedScan& scan, int offset, int half, int half_rows) {
+  int a = 0;
+  int b = 0;
+  int c = 0;
+  int d = 0;
+  for (const int place : scan.places) {
+    const std::uint8_t* value = values + (place + offset);
+    a += value[0];
+    b += value[half];
+    c += value[half_rows];
+    d += value[half_rows + half];
+  }
+  return {a, b, c, d};
 }
 
 bool Better(const Candidate& a, const Candidate& b) { return a.score > b.score; }
@@ -80,20 +100,21 @@ void Branch(const SlidingMaximumGrids& grids, const SearchGrid& search, int leve
       *best = candidate;
       return;
     }
+    const int half = 1 << (level - 1);
+    const std::array<int, 4> sums =
+        SumsOfFour(grids.Values(level - 1), search.scans[static_cast<std::size_t>(candidate.scan)],
+                   grids.OffsetOf(candidate.shift_x, candidate.shift_y), half, grids.OffsetOf(0, half));
     std::array<Candidate, 4> children;
     std::size_t count = 0;
-    const int half = 1 << (level - 1);
-    for (const int dx : {0, half}) {
-      for (const int dy : {0, half}) {
-        const int x = candidate.shift_x + dx;
-        const int y = candidate.shift_y + dy;
-        if (x > search.half_shift || y > search.half_shift) continue;
-        children[count++] = {
-            candidate.scan, x, y,
-            SumOfValues(grids, level - 1, search.scans[static_cast<std::size_t>(candidate.scan)], x, y)};
-      }
+    for (int child = 0; child < 4; ++child) {
+      const int x = candidate.shift_x + (child % 2) * half;
+      const int y = candidate.shift_y + (child / 2) * half;
+      const int sum = sums[static_cast<std::size_t>(child)];
+      if (x > search.half_shift || y > search.half_shift || sum <= best->score) continue;
+      std::size_t place = count++;  // sorted in, ties behind
+      for (; place > 0 && children[place - 1].score < sum; --place) children[place] = children[place - 1];
+      children[place] = {candidate.scan, x, y, sum};
     }
-    std::stable_sort(children.begin(), children.begin() + static_cast<std::ptrdiff_t>(count), Better);
     Branch(grids, search, level - 1, {children.data(), count}, best);
   }
 }
@@ -104,11 +125,11 @@ std::vector<Candidate> CandidatesOfLevel(const SlidingMaximumGrids& grids, const
   for (std::size_t k = 0; k < search.scans.size(); ++k) {
     for (int x = -search.half_shift; x <= search.half_shift; x += step) {
       for (int y = -search.half_shift; y <= search.half_shift; y += step) {
-        candidates.push_back({static_cast<int>(k), x, y, SumOfValues(grids, level, search.scans[k], x, y)});
+        const int sum = SumOfValues(grids.Values(level), search.scans[k], grids.OffsetOf(x, y));
+        if (sum > search.min_sum) candidates.push_back({static_cast<int>(k), x, y, sum});
       }
     }
   }
-  std::stable_sort(candidates.begin(), candidates.end(), Better);
   return candidates;
 }
 
@@ -119,7 +140,7 @@ std::optional<SearchResult> Finish(const SlidingMaximumGrids& grids, const Searc
   SearchResult result;
   result.map_from_scan = {centre.x + best.shift_x * grids.cell_size_m(), centre.y + best.shift_y * grids.cell_size_m(),
                           NormalizeAngle(centre.theta + scan.angle_rad)};
-  const double mean = static_cast<double>(best.score) / static_cast<double>(scan.cells.size());
+  const double mean = static_cast<double>(best.score) / search.num_points;
   result.score = static_cast<double>(grids.OccupancyOf(0)) +
                  mean * static_cast<double>(grids.OccupancyOf(1) - grids.OccupancyOf(0));
   return result;
@@ -127,16 +148,23 @@ std::optional<SearchResult> Finish(const SlidingMaximumGrids& grids, const Searc
 
 }  // namespace
 
-SlidingMaximumGrids::SlidingMaximumGrids(const OccupancyPyramid& pyramid, int pyramid_level, int num_levels)
-    : cell_size_m_(pyramid.cell_size_m(pyramid_level)) {
+SlidingMaximumGrids::SlidingMaximumGrids(const OccupancyPyramid& pyramid, int pyramid_level, int num_levels,
+                                         double max_half_width_m)
+    : cell_size_m_(pyramid.cell_size_m(pyramid_level)),
+      max_shift_(static_cast<int>(std::ceil(max_half_width_m / pyramid.cell_size_m(pyramid_level)))) {
   const OccupancyPyramid::Extent extent = pyramid.ExtentOf(pyramid_level);
-  Level base{extent.min_column, extent.min_row, extent.width, extent.height, {}};
-  OccupancyPyramid::Evidence highest = 1;
-  for (int row = 0; row < extent.height; ++row) {
-    for (int column = 0; column < extent.width; ++column) {
-      highest = std::max(highest, pyramid.At(pyramid_level, extent.min_column + column, extent.min_row + row));
+  min_column_ = extent.min_column - max_shift_;
+  min_row_ = extent.min_row - max_shift_;
+  width_ = extent.width + 4 * max_shift_;
+  height_ = extent.height + 4 * max_shift_;
+  const auto for_each_cell = [&](const auto& visit) {
+    for (int row = extent.min_row; row < extent.min_row + extent.height; ++row) {
+      for (int column = extent.min_column; column < extent.min_column + extent.width; ++column)
+        visit(column, row, pyramid.At(pyramid_level, column, row));
     }
-  }
+  };
+  OccupancyPyramid::Evidence highest = 1;
+  for_each_cell([&](int, int, OccupancyPyramid::Evidence evidence) { highest = std::max(highest, evidence); });
   low_ = pyramid.OccupancyOf(OccupancyPyramid::kUnknown);
   const float high = pyramid.OccupancyOf(highest);
   step_ = std::max(high - low_, 1e-3F) / 255.0F;
@@ -145,39 +173,32 @@ SlidingMaximumGrids::SlidingMaximumGrids(const OccupancyPyramid& pyramid, int py
     value_of[e] = static_cast<std::uint8_t>(std::clamp(
         (pyramid.OccupancyOf(static_cast<OccupancyPyramid::Evidence>(e)) - low_) / step_ + 0.5F, 0.0F, 255.0F));
   }
-  base.cells.resize(static_cast<std::size_t>(base.width) * static_cast<std::size_t>(base.height));
-  std::size_t index = 0;
-  for (int row = 0; row < extent.height; ++row) {
-    for (int column = 0; column < extent.width; ++column) {
-      base.cells[index++] = value_of[pyramid.At(pyramid_level, extent.min_column + column, extent.min_row + row)];
-    }
-  }
-  levels_.push_back(std::move(base));
-  for (int level = 1; level < num_levels; ++level) levels_.push_back(Widened(levels_.back(), 1 << (level - 1)));
+  // Below lie rows that are read for shifts beyond the window, which do not count.
+  levels_.emplace_back(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_ + max_shift_ + 1),
+                       std::uint8_t{0});
+  for_each_cell([&](int column, int row, OccupancyPyramid::Evidence evidence) {
+    levels_.front()[static_cast<std::size_t>(IndexOf(column, row))] = value_of[evidence];
+  });
+  for (int level = 1; level < num_levels && (1 << level) <= std::max(max_shift_, 1); ++level)
+    levels_.push_back(Widened(levels_.back(), 1 << (level - 1)));
 }
 
-// Maximum of each cell and those `shift` further along x, y and both: doubles the block that a cell stands for. Blocks
-// may start `shift` cells before the array.
-SlidingMaximumGrids::Level SlidingMaximumGrids::Widened(const Level& level, int shift) {
-  Level wide{level.min_column - shift, level.min_row - shift, level.width + shift, level.height + shift, {}};
-  const auto width = static_cast<std::size_t>(wide.width);
-  std::vector<std::uint8_t> along_x(width * static_cast<std::size_t>(level.height));
-  for (int row = 0; row < level.height; ++row) {
-    const std::uint8_t* from = &level.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(level.width)];
-    std::uint8_t* to = &along_x[static_cast<std::size_t>(row) * width];
-    for (int column = 0; column < level.width; ++column) to[column] = from[column];  // the cell `shift` to the right
-    for (int column = 0; column < level.width; ++column)
-      to[column + shift] = std::max(to[column + shift], from[column]);
+// Maximum of each cell and those `shift` further along x, y and both: doubles the block that a cell stands for. What
+// lies beyond the array was never observed.
+std::vector<std::uint8_t> SlidingMaximumGrids::Widened(const std::vector<std::uint8_t>& level, int shift) const {
+  const auto width = static_cast<std::size_t>(width_);
+  const auto height = static_cast<std::size_t>(height_);
+  const auto step = static_cast<std::size_t>(shift);
+  std::vector<std::uint8_t> wide = level;
+  for (std::size_t row = 0; row < height; ++row) {
+    std::uint8_t* cells = &wide[row * width];
+    for (std::size_t column = 0; column + step < width; ++column)  // reads what is not written yet
+      cells[column] = std::max(cells[column], cells[column + step]);
   }
-  wide.cells.assign(width * static_cast<std::size_t>(wide.height), 0);
-  for (int row = 0; row < level.height; ++row) {
-    const std::uint8_t* from = &along_x[static_cast<std::size_t>(row) * width];
-    std::uint8_t* upper = &wide.cells[static_cast<std::size_t>(row + shift) * width];
-    std::uint8_t* lower = &wide.cells[static_cast<std::size_t>(row) * width];
-    for (std::size_t column = 0; column < width; ++column) {
-      upper[column] = std::max(upper[column], from[column]);
-      lower[column] = std::max(lower[column], from[column]);
-    }
+  for (std::size_t row = 0; row + step < height; ++row) {
+    std::uint8_t* cells = &wide[row * width];
+    const std::uint8_t* further = cells + step * width;
+    for (std::size_t column = 0; column < width; ++column) cells[column] = std::max(cells[column], further[column]);
   }
   return wide;
 }
@@ -190,7 +211,8 @@ std::optional<SearchResult> BranchAndBound(const SlidingMaximumGrids& grids,
   int level = grids.num_levels() - 1;
   while (level > 0 && (1 << level) > search.half_shift) --level;
   Candidate best{.scan = -1, .score = search.min_sum};
-  const std::vector<Candidate> candidates = CandidatesOfLevel(grids, search, level);
+  std::vector<Candidate> candidates = CandidatesOfLevel(grids, search, level);
+  std::stable_sort(candidates.begin(), candidates.end(), Better);
   Branch(grids, search, level, candidates, &best);
   return Finish(grids, search, centre, best);
 }

@@ -111,7 +111,7 @@ TEST(BranchAndBound, EqualsExhaustiveSearch) {
   const auto room = test_support::FurnishedRoom();
   const OccupancyPyramid map = MapOf(room);
   for (const int level : {0, 1}) {
-    const SlidingMaximumGrids grids(map, level, 5);
+    const SlidingMaximumGrids grids(map, level, 5, 1.0);
     for (std::uint32_t i = 0; i < 12; ++i) {
       const RandomStream random(6, 4, i);
       const Pose2 truth{random.Uniform(0, -1.0, 2.0), random.Uniform(1, -0.5, 1.5), random.Uniform(2, -3.0, 3.0)};

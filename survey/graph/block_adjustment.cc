@@ -9,6 +9,7 @@
 #include "survey/graph/block_graph.h"
 #include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
+#include "survey/graph/variance_factor.h"
 
 namespace survey {
 namespace {
@@ -178,6 +179,11 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
   free_options.chordal_start = true;  // a long tour may have drifted far
   PoseGraphSummary summary = Solve(&block.graph, free_options);
   if (!summary.usable) return Failed("the free adjustment did not converge: " + summary.message);
+  // From here on with covariances that the block itself has confirmed.
+  const double factor = VarianceFactorOfLoops(block.graph, options.solver.robust_scale).factor;
+  for (PoseEdge& edge : block.graph.edges) edge.covariance *= factor;
+  summary.initial_cost /= factor;
+  summary.final_cost /= factor;
 
   const GivenPoints given = PointsOfRole(control, PointRole::kControl);
   const std::size_t num_points = CountControlPoints(block, given);

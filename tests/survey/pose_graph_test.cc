@@ -9,6 +9,7 @@
 #include "survey/graph/chordal_start.h"
 #include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
+#include "survey/graph/variance_factor.h"
 #include "survey/stats/philox.h"
 
 namespace survey {
@@ -151,6 +152,38 @@ TEST(GraphCovariance, RedundanciesSumToTheDegreesOfFreedom) {
   }
   EXPECT_NEAR(sum, 9.0, 1e-6);
   EXPECT_EQ(computed->OfPose(0), Eigen::Matrix3d::Zero());
+}
+
+TEST(VarianceFactor, TellsHowFarOffTheCovariancesWere) {
+  constexpr double kPessimism = 100.0;
+  double sum = 0.0;
+  for (std::uint32_t seed = 0; seed < 20; ++seed) {
+    PoseGraph graph = NoisyWalk(seed, 0.02, 0.005);
+    std::vector<Pose2> truth = {{}};
+    for (int i = 1; i < 40; ++i)
+      truth.push_back(truth.back() * Pose2{1.0, 0.0, i % 10 == 0 ? 1.5707963267948966 : 0.0});
+    const RandomStream noise(3, 1, seed);
+    for (int i = 0; i < 18; ++i) {
+      const auto [nx, ny] = noise.Normals(2 * static_cast<std::uint64_t>(i));
+      const double nt = noise.Normal(2 * static_cast<std::uint64_t>(i) + 1);
+      const Pose2 error{0.02 * nx, 0.02 * ny, 0.005 * nt};
+      graph.edges.push_back(
+          {i, 39 - i, Between(truth[static_cast<std::size_t>(i)], truth[static_cast<std::size_t>(39 - i)]) * error,
+           Eigen::Vector3d(4e-4, 4e-4, 2.5e-5).asDiagonal(), true});
+    }
+    for (PoseEdge& edge : graph.edges) edge.covariance *= kPessimism;
+    ASSERT_TRUE(Solve(&graph, {}).usable);
+    const VarianceFactor found = VarianceFactorOfLoops(graph, 2.0);
+    EXPECT_GT(found.redundancy, 30.0);
+    sum += found.factor;
+  }
+  EXPECT_NEAR(sum / 20, 1.0 / kPessimism, 0.15 / kPessimism);
+}
+
+TEST(VarianceFactor, IsOneWhereTooFewLoopsTell) {
+  PoseGraph graph = NoisyWalk(2, 0.02, 0.005);
+  graph.edges.push_back({5, 25, Between(graph.poses[5], graph.poses[25]), graph.edges.front().covariance, true});
+  EXPECT_EQ(VarianceFactorOfLoops(graph, 2.0).factor, 1.0);
 }
 
 TEST(SelectedInverse, EqualsTheDenseInverseWhereTheMatrixIsNotZero) {

@@ -81,7 +81,7 @@ features := $(wildcard control/features.csv)
 edits := $(sort $(wildcard edits/*.geojson))
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
-marked-blocks := $(foreach b,$(blocks),$(if $(call marks,$(b)),$(b)))
+marked-blocks := $(strip $(foreach b,$(blocks),$(if $(call marks,$(b)),$(b))))
 # A block is tied when there is control and a list of its marks.
 control-of = $(if $(points),$(if $(call marks,$(1)),work/$(1)/control.sqlite))
 
@@ -117,7 +117,7 @@ $(call stage,network,,$(call source,$(points) $(foreach b,$(marked-blocks),$(cal
   --output work/control.sqlite --extracts work)
 
 # Blocks that are not tied have no place on the site's map and are delivered apart, unless there is but one block.
-tied-blocks := $(foreach b,$(blocks),$(if $(call control-of,$(b)),$(b)))
+tied-blocks := $(strip $(foreach b,$(blocks),$(if $(call control-of,$(b)),$(b))))
 site-blocks := $(if $(filter 1,$(words $(blocks))),$(blocks),$(tied-blocks))
 local-blocks := $(filter-out $(site-blocks),$(blocks))
 site-map := $(if $(site-blocks),out/site.tif)

@@ -182,6 +182,9 @@ int Run(const Arguments& arguments) {
   const auto began = fs::file_time_type::clock::now() - std::chrono::milliseconds(20);  // coarser clock of files
   signal(SIGINT, [](int) {});  // Ctrl-C is for make and its stages (exec resets a handler); we tell the outcome
   const int status = pipeline::RunAndWait(make);
+  if (status > 128) {
+    std::cerr << "plumbline: make was stopped by signal " << status - 128 << "; run again to go on from here\n";
+  }
   return status == 0 ? 0 : ExitStatusOfFailure(site, began, status);
 }
 

@@ -25,8 +25,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void Require(const CommandResult& result) {
-  if (result.status != 0) throw std::runtime_error(result.err);
+// A program that is killed says nothing itself.
+void Require(const CommandResult& result, const std::string& what) {
+  if (result.status == 0) return;
+  throw std::runtime_error(what + " ended with status " + std::to_string(result.status) +
+                           (result.status > 128 ? " (killed by a signal)" : "") + "\nstderr: " + result.err +
+                           "\nstdout: " + result.out);
 }
 
 void Collect(const fs::path& site, const std::string& folder, std::map<std::string, std::string>* results) {
@@ -45,7 +49,8 @@ const fs::path& FieldDataOfTwoRooms() {
   static const ScratchFolder scratch;
   static const fs::path field = [] {
     Require(RunCommand({"plumbline-simulate", "--scenario", SourceFolder() / "tests/jobs/two_rooms.toml", "--output",
-                        scratch / "field", "--quiet"}));
+                        scratch / "field", "--quiet"}),
+            "plumbline simulate");
     return scratch / "field";
   }();
   return field;
@@ -81,18 +86,19 @@ JobSite::JobSite(fs::path folder) : site_(folder.empty() ? scratch_ / "site" : s
   const fs::path& field = FieldDataOfTwoRooms();
   Require(RunCommand({"plumbline", "new", site_, "--crs", "EPSG:25832", "--control", field / "control" / "points.csv",
                       "--block", "A=" + (field / "blocks" / "A").string(), "--block",
-                      "B=" + (field / "blocks" / "B").string()}));
+                      "B=" + (field / "blocks" / "B").string()}),
+          "plumbline new");
 }
 
 // Time stamps matter to make, so they are copied too.
 JobSite::JobSite(CopyOf copy) : site_(scratch_ / "site") {
-  Require(RunCommand({"cp", "-a", copy.original.path(), site_}));
+  Require(RunCommand({"cp", "-a", copy.original.path(), site_}), "cp");
 }
 
 JobSite JobSite::Processed() {
   static const JobSite original;
   static const CommandResult run = original.Run({"-j2"});
-  Require(run);
+  Require(run, "plumbline run");
   return JobSite(CopyOf{original});
 }
 
@@ -128,9 +134,12 @@ bool JobSite::RunAndKillAfter(std::chrono::milliseconds delay) const {
   posix_spawnattr_destroy(&attributes);
   if (error != 0) throw std::runtime_error(program + " cannot be started");
   std::this_thread::sleep_for(delay);
-  const bool ended = waitpid(pid, nullptr, WNOHANG) == pid;
+  // Looked at without being waited for: until then nobody else gets the number of the group that is killed.
+  siginfo_t info{};
+  waitid(P_PID, static_cast<id_t>(pid), &info, WEXITED | WNOHANG | WNOWAIT);
+  const bool ended = info.si_pid == pid;
   kill(-pid, SIGKILL);
-  if (!ended) waitpid(pid, nullptr, 0);
+  waitpid(pid, nullptr, 0);
   return !ended;
 }
 

@@ -151,6 +151,7 @@ std::vector<FileReport> CheckSite(const fs::path& folder) {
   std::sort(files.begin(), files.end());
 
   std::vector<FileReport> reports;
+  reports.reserve(files.size());
   for (const fs::path& file : files) reports.push_back({.file = file});
   std::vector<Member> members;
   std::map<std::string, std::set<std::string>> digests_by_record;

@@ -117,7 +117,7 @@ std::optional<OppositeFaces> FindOpposite(const std::vector<FaceLine>& lines, do
 // Middle of a square across the direction in which both faces are seen: from both faces, or from one and the size.
 std::optional<OppositeFaces> AcrossOf(const std::vector<FaceLine>& lines, const OppositeFaces& known, double max_size) {
   const Vector2d across(-known.normal.y(), known.normal.x());
-  if (const auto both = FindOpposite(lines, max_size, 0.96, across)) return both;
+  if (auto both = FindOpposite(lines, max_size, 0.96, across)) return both;
   for (const FaceLine& line : lines) {
     if (std::abs(line.normal.dot(across)) < 0.96) continue;
     return OppositeFaces{line.normal, line.offset - known.size / 2, known.size,

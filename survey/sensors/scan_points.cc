@@ -24,7 +24,10 @@ ScanProjector::ScanProjector(std::span<const ScanGeometry> geometries, double ma
   }
 }
 
-void ScanProjector::Project(const Scan& scan, const Twist2& twist, ScanPoints* points) const {
+void ScanProjector::Project(const Scan& scan, const Twist2& twist, ScanPoints* points,
+                            const Eigen::Matrix2d& level_from_lidar) const {
+  const Eigen::Matrix2f level = level_from_lidar.cast<float>();
+  const bool tilted = !level_from_lidar.isIdentity(0.0);
   points->hits.clear();
   points->free_ends.clear();
   const Directions& directions = directions_[static_cast<std::size_t>(scan.geometry)];
@@ -40,6 +43,7 @@ void ScanProjector::Project(const Scan& scan, const Twist2& twist, ScanPoints* p
     const float reach = hit ? range : free_range_m_;
     if (!(reach > 0.0F)) continue;
     Eigen::Vector2f p = reach * directions.unit[i];
+    if (tilted) p = level * p;
     if (skewed) {  // the beam left t after the stamp, from a lidar that had moved by the twist (small angles)
       const float t = dt * static_cast<float>(i);
       const float angle = omega * t;

@@ -34,8 +34,10 @@ class ScanProjector {
   // count as free up to there.
   ScanProjector(std::span<const ScanGeometry> geometries, double max_range_m, double free_range_m);
 
-  // `points` is overwritten (its memory is reused).
-  void Project(const Scan& scan, const Twist2& twist, ScanPoints* points) const;
+  // `points` is overwritten (its memory is reused). `level_from_lidar` projects the plane of the scan to the horizontal
+  // (columns: the lidar's x and y axes seen from above, its heading zero).
+  void Project(const Scan& scan, const Twist2& twist, ScanPoints* points,
+               const Eigen::Matrix2d& level_from_lidar = Eigen::Matrix2d::Identity()) const;
 
  private:
   struct Directions {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Where the lidar will be at the next scan, from the motion since the last one: by wheel odometry and by constant
-// velocity, each weighted by how well it foretold the last matches. Wheels that slip, drift or answer late lose their
+// Where the lidar will be at the next scan, from the motion since the last one: by the IMU, by wheel odometry and by
+// constant velocity, each weighted by how well it foretold the last matches. Wheels that slip, drift or answer late lose their
 // weight; where the odometry leads or lags the laser, the lead is estimated from the turns of both.
 #pragma once
 
 #include <optional>
 #include <vector>
 
+#include "survey/inertial/navigator.h"
 #include "survey/sensors/odometry_track.h"
 #include "survey/sensors/scan_points.h"
 #include "survey/submaps/track.h"
@@ -24,6 +25,7 @@ struct MotionNoise {
   double sigma_rad_per_m = 0.02;
   double acceleration_m_s2 = 0.5;  // of the constant-velocity model
   double acceleration_rad_s2 = 1.5;
+  double sigma_inertial_rad = 0.002;  // beside what the IMU itself says
   double max_odometry_gap_s = 0.5;
 };
 
@@ -33,6 +35,7 @@ struct PredictedPose {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
   Twist2 twist;  // of the lidar during the scan
   Prediction source = Prediction::kStart;
+  Eigen::Matrix2d level_from_lidar = Eigen::Matrix2d::Identity();  // projects the scan to the horizontal
 };
 
 // Delay of the odometry against the laser: the odometry at stamp t - lead shows the motion of the laser at t. Found by
@@ -55,16 +58,18 @@ class OdometryLead {
 
 class MotionPredictor {
  public:
-  MotionPredictor(const Session& session, const MotionNoise& noise);
+  // Keeps a reference to the session.
+  MotionPredictor(const Session& session, const MotionNoise& noise, const InertialOptions& inertial = {});
 
   // Pose of the scan with this stamp; the first scan is the origin.
   PredictedPose Predict(StampNs stamp_ns);
 
   // What came of the prediction: stamps in the order of Predict.
-  void Update(StampNs stamp_ns, const Pose2& local_from_scan, bool matched);
+  void Update(StampNs stamp_ns, const Pose2& local_from_scan, const Eigen::Matrix3d& covariance, bool matched);
 
   // Negative where the odometry lags.
   double odometry_lead_s() const { return Seconds(lead_.lead_ns()); }
+  const InertialNavigator& navigator() const { return navigator_; }
 
  private:
   // Exponentially weighted mean squares of what a source got wrong.
@@ -77,13 +82,23 @@ class MotionPredictor {
     std::optional<Pose2> motion;  // from the last scan to the one that is predicted
     Innovations innovations;
   };
+  // What a source knows of the motion: variances of its translation (m2) and rotation (rad2).
+  struct Estimate {
+    const Pose2* motion;
+    double variance_m;
+    double variance_rad;
+  };
   double EvenSpan(StampNs stamp_ns) const;
+  std::vector<Estimate> Estimates(double dt) const;
   PredictedPose Fuse(double dt) const;
 
   const SensorSetup& setup_;
   MotionNoise noise_;
   OdometryTrack odometry_;
   OdometryLead lead_;
+  InertialNavigator navigator_;
+  std::optional<InertialMotion> inertial_motion_;
+  Source inertial_;
   Source wheels_;
   Source velocity_;
   Innovations fused_;

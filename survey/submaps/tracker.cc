@@ -23,14 +23,14 @@ class Tracker {
   Tracker(const Session& session, const TrackOptions& options)
       : session_(session),
         options_(options),
-        predictor_(session, options.motion),
+        predictor_(session, options.motion, options.inertial),
         projector_(session.geometries, options.max_range_m, 0.0),
         marked_(ScansThatCarryMarks(session)) {}
 
   void Process(std::size_t index) {
     const Scan& scan = session_.scans[index];
     const PredictedPose predicted = predictor_.Predict(scan.stamp_ns);
-    projector_.Project(scan, predicted.twist, &points_);
+    projector_.Project(scan, predicted.twist, &points_, predicted.level_from_lidar);
     prepared_.hits.swap(points_.hits);
     PrepareScan(options_.map, &prepared_);
 
@@ -39,7 +39,7 @@ class Tracker {
     tracked.is_node = index == 0 || Moved(tracked.local_from_scan) || marked_[index];
     if (tracked.is_node) Insert(tracked);
     if (tracked.matched) usual_score_ += 0.02 * (static_cast<double>(tracked.score) - usual_score_);
-    predictor_.Update(scan.stamp_ns, tracked.local_from_scan, tracked.matched);
+    predictor_.Update(scan.stamp_ns, tracked.local_from_scan, tracked.covariance, tracked.matched);
     track_.scans.push_back(tracked);
   }
 

@@ -17,6 +17,7 @@ namespace survey {
 struct TrackOptions {
   TrackingMapOptions map;
   MotionNoise motion;
+  InertialOptions inertial;
   double max_range_m = 30.0;         // beams beyond are not used
   double insert_distance_m = 0.2;    // a scan is inserted (becomes a node) after this motion ...
   double insert_angle_rad = 0.09;    // ... or this turn

@@ -51,7 +51,7 @@ Errors PredictionErrors(int scans, MotionPredictor* predictor) {
       sum.m += error.Translation().squaredNorm();
       sum.rad += error.theta * error.theta;
     }
-    predictor->Update(i * kStep_ns, truth, true);
+    predictor->Update(i * kStep_ns, truth, Eigen::Matrix3d::Zero(), true);
   }
   const double n = scans - scans / 2;
   return {std::sqrt(sum.m / n), std::sqrt(sum.rad / n)};
@@ -93,7 +93,7 @@ TEST(MotionPredictor, ConstantVelocityTakesOverInAGapOfTheOdometry) {
     if (i == 30 || i == 90) {
       EXPECT_EQ(predicted.source, Prediction::kOdometry);
     }
-    predictor.Update(i * kStep_ns, TruthAt(0.1 * i), true);
+    predictor.Update(i * kStep_ns, TruthAt(0.1 * i), Eigen::Matrix3d::Zero(), true);
   }
 }
 

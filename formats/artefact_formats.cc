@@ -123,6 +123,20 @@ CREATE TABLE requests (
   doubt REAL NOT NULL,  -- larger is worse
   message TEXT NOT NULL
 ) STRICT;
+CREATE TABLE navigation (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  inertial REAL NOT NULL CHECK (inertial >= 0),  -- s by the IMU, with or without odometry beside it
+  odometry REAL NOT NULL CHECK (odometry >= 0),  -- s by odometry without IMU
+  constant_velocity REAL NOT NULL CHECK (constant_velocity >= 0),  -- s by neither
+  unmatched REAL NOT NULL CHECK (unmatched >= 0),  -- s of all these without a scan match
+  imu_restarts INTEGER NOT NULL CHECK (imu_restarts >= 0),  -- behind gaps
+  gyro_bias_x REAL NOT NULL,  -- mean over the block, rad/s
+  gyro_bias_y REAL NOT NULL,
+  gyro_bias_z REAL NOT NULL,
+  accel_bias_x REAL NOT NULL,  -- m/s2
+  accel_bias_y REAL NOT NULL,
+  accel_bias_z REAL NOT NULL
+) STRICT;
 )";
 
 constexpr std::string_view kLoopsSchema = R"(
@@ -222,6 +236,25 @@ CREATE TABLE marks (
   rigid_residual_x REAL NOT NULL,                     -- the same after the rigid fit alone, m
   rigid_residual_y REAL NOT NULL
 ) STRICT;
+CREATE TABLE navigation (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  inertial REAL NOT NULL CHECK (inertial >= 0),  -- s by the IMU, with or without odometry beside it
+  odometry REAL NOT NULL CHECK (odometry >= 0),  -- s by odometry without IMU
+  constant_velocity REAL NOT NULL CHECK (constant_velocity >= 0),  -- s by neither
+  unmatched REAL NOT NULL CHECK (unmatched >= 0),  -- s of all these without a scan match
+  imu_restarts INTEGER NOT NULL CHECK (imu_restarts >= 0),  -- behind gaps
+  gyro_bias_x REAL NOT NULL,  -- mean over the block, rad/s
+  gyro_bias_y REAL NOT NULL,
+  gyro_bias_z REAL NOT NULL,
+  accel_bias_x REAL NOT NULL,  -- m/s2
+  accel_bias_y REAL NOT NULL,
+  accel_bias_z REAL NOT NULL
+) STRICT;
+CREATE TABLE breaks (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  scan INTEGER NOT NULL REFERENCES scans (scan),  -- the first one behind the break
+  message TEXT NOT NULL
+) STRICT;
 CREATE TABLE statistics (
   id INTEGER PRIMARY KEY CHECK (id = 0),
   num_nodes INTEGER NOT NULL,
@@ -256,10 +289,10 @@ CREATE TABLE features (
 
 constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kSession, 1, "session", kSessionSchema},
-    ArtefactFormat{ArtefactKind::kTrack, 1, "track", kTrackSchema},
+    ArtefactFormat{ArtefactKind::kTrack, 2, "track", kTrackSchema},
     ArtefactFormat{ArtefactKind::kLoops, 1, "loops", kLoopsSchema},
     ArtefactFormat{ArtefactKind::kControl, 1, "control", kControlSchema},
-    ArtefactFormat{ArtefactKind::kSolution, 1, "solution", kSolutionSchema},
+    ArtefactFormat{ArtefactKind::kSolution, 2, "solution", kSolutionSchema},
     ArtefactFormat{ArtefactKind::kFeatures, 1, "features", kFeaturesSchema},
 };
 

@@ -66,9 +66,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TestedCheck, kind, block, name, in_map, refer
                                    distance_to_control, blunder)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyTest, statistics, verdict)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RelativeAccuracy, num_features, rms, scale)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NavigatedTimes, inertial, odometry, constant_velocity, unmatched)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockCertificate, name, tied, num_scans, path_length, num_loops, num_control_points,
                                    num_control_marks, rigid_scale, sigma_zero, degrees_of_freedom, fit_rms,
-                                   rigid_fit_rms, points, features, relative)
+                                   rigid_fit_rms, points, features, relative, navigated, breaks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingPair, block_a, block_b, feature, difference)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamSummary, block_a, block_b, overlap_area_m2, num_windows, rms, contradicted_share)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingAccuracy, pairs, rms, max, seams)

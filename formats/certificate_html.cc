@@ -214,9 +214,10 @@ std::string ChecksSection(const Certificate& c) {
 }
 
 std::string BlocksSection(const Certificate& c) {
-  HtmlTable table({"block", "tied", "path (m)", "scans", "loops", "control (marks)", "&sigma;<sub>0</sub>",
-                   "scale &minus; 1 (ppm)", "RMSE features (n)", "RMSE points (n)", "relative (n)"},
-                  2);
+  HtmlTable table(
+      {"block", "tied", "path (m)", "scans", "loops", "control (marks)", "&sigma;<sub>0</sub>", "scale &minus; 1 (ppm)",
+       "RMSE features (n)", "RMSE points (n)", "relative (n)", "navigated (s)", "breaks"},
+      2);
   const auto tested = [](const AccuracyTest& test) {
     return test.statistics.num_points == 0
                ? std::string(kDash)
@@ -229,11 +230,16 @@ std::string BlocksSection(const Certificate& c) {
          std::to_string(b.num_control_points) + " (" + std::to_string(b.num_control_marks) + ")",
          Fixed(b.sigma_zero, 2), b.tied ? Fixed((b.rigid_scale - 1) * 1e6, 0) : kDash, tested(b.features),
          tested(b.points),
-         b.relative ? Millimetres(b.relative->rms) + " (" + std::to_string(b.relative->num_features) + ")" : kDash});
+         b.relative ? Millimetres(b.relative->rms) + " (" + std::to_string(b.relative->num_features) + ")" : kDash,
+         Fixed(b.navigated.inertial, 0) + " / " + Fixed(b.navigated.odometry, 0) + " / " +
+             Fixed(b.navigated.constant_velocity, 0) + " (" + Fixed(b.navigated.unmatched, 1) + ")",
+         b.breaks.empty() ? "none" : "<b class=\"red\">" + std::to_string(b.breaks.size()) + "</b>"});
   }
   return H2("Blocks") + table.Text() +
          P("RMSE<sub>H1</sub> in mm, absolute. Relative: common features after a rigid fit, mm. Scale: what a "
-           "four-parameter fit on the control would have taken; it is never applied.",
+           "four-parameter fit on the control would have taken; it is never applied. Navigated: by IMU / by odometry / "
+           "by "
+           "constant velocity (of these without a scan match). Breaks: places where the track may have come apart.",
            "note");
 }
 

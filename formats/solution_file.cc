@@ -2,6 +2,7 @@
 #include "formats/artefact_file.h"
 #include "formats/artefacts.h"
 #include "formats/errors.h"
+#include "formats/navigation_table.h"
 #include "formats/scans_table.h"
 
 namespace formats {
@@ -17,6 +18,7 @@ constexpr auto kMarkRow = [](auto& row, auto& id, auto& mark) {
   row(id, mark.point, mark.start_ns, mark.end_ns, mark.scan, mark.used, mark.position_in_site, mark.covariance,
       mark.residual, mark.rigid_residual);
 };
+constexpr auto kBreakRow = [](auto& row, auto& id, auto& gap) { row(id, gap.scan, gap.message); };
 constexpr auto kStatisticsRow = [](auto& row, auto& id, auto& statistics) {
   row(id, statistics.num_nodes, statistics.num_submaps, statistics.num_track_constraints, statistics.num_loops,
       statistics.num_control_marks, statistics.degrees_of_freedom, statistics.iterations, statistics.initial_cost,
@@ -37,6 +39,8 @@ void WriteSolution(const std::filesystem::path& file, const survey::Solution& so
     for (const survey::SolvedSubmap& submap : solution.submaps) row(submap.id, submap.site_from_submap);
   });
   WriteRows(writer, "marks", solution.marks, kMarkRow);
+  WriteOneRow(writer, "navigation", solution.navigation, kNavigationRow);
+  WriteRows(writer, "breaks", solution.breaks, kBreakRow);
   WriteOneRow(writer, "statistics", solution.statistics, kStatisticsRow);
   writer.Commit();
 }
@@ -54,6 +58,8 @@ survey::Solution ReadSolution(const std::filesystem::path& file) {
     row(submap.id, submap.site_from_submap);
   });
   solution.marks = ReadRows<survey::SolvedMark>(reader, "marks", kMarkRow);
+  solution.navigation = ReadOneRow<survey::NavigationSummary>(reader, "navigation", kNavigationRow);
+  solution.breaks = ReadRows<survey::TrackBreak>(reader, "breaks", kBreakRow);
   solution.statistics = ReadOneRow<survey::AdjustmentStatistics>(reader, "statistics", kStatisticsRow);
   return solution;
 }

@@ -3,6 +3,7 @@
 
 #include "formats/artefact_file.h"
 #include "formats/artefacts.h"
+#include "formats/navigation_table.h"
 #include "formats/scans_table.h"
 
 namespace formats {
@@ -66,6 +67,7 @@ void WriteTrack(const std::filesystem::path& file, const survey::Track& track,
   WriteRows(writer, "constraints", track.constraints, kConstraintRow);
   WriteRows(writer, "marks", track.marks, kMarkRow);
   WriteRows(writer, "requests", track.requests, kRequestRow);
+  WriteOneRow(writer, "navigation", track.navigation, kNavigationRow);
   writer.Commit();
 }
 
@@ -77,6 +79,7 @@ survey::Track ReadTrack(const std::filesystem::path& file) {
   track.constraints = ReadRows<survey::SubmapConstraint>(reader, "constraints", kConstraintRow);
   track.marks = ReadRows<survey::TrackedMark>(reader, "marks", kMarkRow);
   track.requests = ReadRows<survey::ReviewRequest>(reader, "requests", kRequestRow);
+  track.navigation = ReadOneRow<survey::NavigationSummary>(reader, "navigation", kNavigationRow);
   return track;
 }
 

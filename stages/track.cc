@@ -2,6 +2,9 @@
 //
 // plumbline-track: the front end. Reads the session of a block, writes the pose of every scan in the block's local
 // frame.
+#include <cstdio>
+#include <numbers>
+
 #include "formats/artefacts.h"
 #include "pipeline/stage.h"
 #include "survey/submaps/tracker.h"
@@ -27,6 +30,51 @@ void DeclareOptions(pipeline::Stage* stage, survey::TrackOptions* options) {
                 {.min = 0.0});
 }
 
+// The IMU in the units of its data sheet.
+struct ImuSheet {
+  bool use = true;
+  double latitude_deg = 50.0;
+  double gyro_bias_deg_h = 200.0;
+  double accelerometer_bias_mgal = 2000.0;
+};
+
+void DeclareImu(pipeline::Stage* stage, ImuSheet* sheet, survey::InertialNoise* noise) {
+  stage->Option("use-imu", &sheet->use, "false: as if there were no IMU");
+  stage->Option("latitude-deg", &sheet->latitude_deg, "of the site, for gravity and the Earth's rotation (deg)",
+                {.min = -90, .max = 90});
+  stage->Option("gyro-bias-deg-h", &sheet->gyro_bias_deg_h, "bias of the gyros, 1 sigma, where never at rest (deg/h)",
+                {.min = 0.01, .max = 1e5});
+  stage->Option("accelerometer-bias-mgal", &sheet->accelerometer_bias_mgal,
+                "bias of the accelerometers, 1 sigma (mGal)", {.min = 1, .max = 1e5});
+  stage->Option("gyro-noise-rad-s-rthz", &noise->gyro_noise_rad_s_rthz, "white noise of the gyros (rad/s/sqrt(Hz))",
+                {.min = 1e-7, .max = 1.0});
+  stage->Option("accelerometer-noise-m-s2-rthz", &noise->accelerometer_noise_m_s2_rthz,
+                "white noise of the accelerometers, with the shaking of the platform (m/s2/sqrt(Hz))",
+                {.min = 1e-6, .max = 10.0});
+}
+
+survey::InertialOptions Inertial(const ImuSheet& sheet, survey::InertialNoise noise) {
+  constexpr double kRadians = std::numbers::pi / 180.0;
+  noise.gyro_bias_sigma_rad_s = sheet.gyro_bias_deg_h * kRadians / 3600.0;
+  noise.accelerometer_bias_sigma_m_s2 = sheet.accelerometer_bias_mgal * 1e-5;
+  survey::InertialOptions options;
+  options.use = sheet.use;
+  options.latitude_rad = sheet.latitude_deg * kRadians;
+  options.noise = noise;
+  return options;
+}
+
+std::string Summary(const survey::Track& track) {
+  const survey::NavigationSummary& by = track.navigation;
+  char navigated[160];
+  std::snprintf(navigated, sizeof navigated,
+                "; navigated by IMU %.1f s, odometry %.1f s, constant velocity %.1f s, without a match %.1f s",
+                by.inertial_s, by.odometry_s, by.constant_velocity_s, by.unmatched_s);
+  return std::to_string(track.scans.size()) + " scans, " + std::to_string(track.submaps.size()) + " submaps, " +
+         std::to_string(track.constraints.size()) + " constraints, " + std::to_string(track.requests.size()) +
+         " review requests" + navigated;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -43,16 +91,19 @@ int main(int argc, char** argv) {
   bool use_odometry = true;
   stage.Option("use-odometry", &use_odometry, "false: as if the wheels had not been recorded");
   DeclareOptions(&stage, &options);
+  ImuSheet imu;
+  DeclareImu(&stage, &imu, &options.inertial.noise);
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     if (matcher == "occupancy") options.map.matcher = survey::Matcher::kOccupancy;
     survey::Session session = formats::ReadSession(session_file);
+    options.inertial = Inertial(imu, options.inertial.noise);
     if (!use_odometry) session.odometry.clear();
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(session.scans.size()));
     const survey::Track track = survey::TrackBlock(
         session, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
     formats::WriteTrack(output, track, survey::StampsOfScans(session), run.Provenance());
-    run.Message(std::to_string(track.scans.size()) + " scans, " + std::to_string(track.submaps.size()) + " submaps, " +
-                std::to_string(track.constraints.size()) + " constraints, " + std::to_string(track.requests.size()) +
-                " review requests");
+    for (const survey::TrackBreak& gap : survey::BreaksOf(track))
+      run.Warn("the track may be broken at scan " + std::to_string(gap.scan.value) + ": " + gap.message);
+    run.Message(Summary(track));
   });
 }

@@ -51,6 +51,14 @@ struct RelativeAccuracy {
   double scale = 1.0;  // a four-parameter fit's; not applied
 };
 
+// By what the block was navigated, s; see NavigationSummary.
+struct NavigatedTimes {
+  double inertial = 0.0;
+  double odometry = 0.0;
+  double constant_velocity = 0.0;
+  double unmatched = 0.0;
+};
+
 struct BlockCertificate {
   std::string name;
   bool tied = false;  // else: local frame, never certified
@@ -67,6 +75,8 @@ struct BlockCertificate {
   AccuracyTest points;         // tested on check points
   AccuracyTest features;       // tested on check features
   std::optional<RelativeAccuracy> relative;
+  NavigatedTimes navigated;
+  std::vector<std::string> breaks;  // of the track, for people: the block is not demonstrated to meet a class
 };
 
 // Differences of features that two blocks show.

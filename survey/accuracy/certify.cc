@@ -155,6 +155,12 @@ class Certifier {
     summary.points = Test(CheckKind::kPoint, &block.name);
     summary.features = Test(CheckKind::kFeature, &block.name);
     summary.relative = Relative(block);
+    const NavigationSummary& navigation = solution.navigation;
+    summary.navigated = {navigation.inertial_s, navigation.odometry_s, navigation.constant_velocity_s,
+                         navigation.unmatched_s};
+    for (const TrackBreak& gap : solution.breaks) {
+      summary.breaks.push_back("scan " + std::to_string(gap.scan.value) + ": " + gap.message);
+    }
     return summary;
   }
 
@@ -224,6 +230,10 @@ class Certifier {
       statement.meets = statement.meets.value_or(true) && each->verdict->meets;
       statement.demonstrated = statement.demonstrated.value_or(true) && each->verdict->demonstrated;
     }
+    // A track that may have come apart is not demonstrated to meet anything, whatever the checks say.
+    const bool broken = std::any_of(certificate_.blocks.begin(), certificate_.blocks.end(),
+                                    [](const auto& block) { return block.tied && !block.breaks.empty(); });
+    if (broken && statement.demonstrated) statement.demonstrated = false;
   }
 
   void ListUntested() {
@@ -235,6 +245,12 @@ class Certifier {
       } else if (block.points.statistics.num_points + block.features.statistics.num_points == 0) {
         list.push_back("Block " + block.name +
                        " holds no check point and no check feature: its accuracy was not tested.");
+      }
+    }
+    for (const BlockCertificate& block : certificate_.blocks) {
+      for (const std::string& gap : block.breaks) {
+        list.push_back("Block " + block.name + " may be broken at " + gap +
+                       ". What lies behind may be displaced against what lies before; checks elsewhere do not tell.");
       }
     }
     for (const CertifiedBlock& block : input_.blocks) ListUnseen(block, &list);

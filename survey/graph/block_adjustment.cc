@@ -190,6 +190,8 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
   BlockAdjustment result;
   Solution& solution = result.solution;
   solution.tied = num_points > 0;
+  solution.navigation = track.navigation;
+  solution.breaks = BreaksOf(track);
   if (num_points == 1 && !options.allow_single_point) {
     return Failed(
         "only one control point is marked in the block: it fixes the place but not the direction; mark a second one or "

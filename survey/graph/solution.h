@@ -67,6 +67,8 @@ struct Solution {
   std::vector<NodeCovariance> covariances;
   std::vector<SolvedSubmap> submaps;
   std::vector<SolvedMark> marks;
+  NavigationSummary navigation;  // of the track
+  std::vector<TrackBreak> breaks;
   AdjustmentStatistics statistics;
 };
 

@@ -24,8 +24,8 @@ Vector3d Lever(const Pose2& body_from_lidar) { return {body_from_lidar.x, body_f
 ErrorMatrix StartCovariance(double tilt_sigma, double velocity_sigma, double gyro_sigma, double accelerometer_sigma,
                             const Matrix3d& pose) {
   ErrorMatrix covariance = ErrorMatrix::Zero();
-  covariance.diagonal() << pose(0, 0), pose(1, 1), 1e-4, Vector3d::Constant(Square(velocity_sigma)),
-      Square(tilt_sigma), Square(tilt_sigma), pose(2, 2), Vector3d::Constant(Square(gyro_sigma)),
+  covariance.diagonal() << pose(0, 0), pose(1, 1), 1e-4, Vector3d::Constant(Square(velocity_sigma)), Square(tilt_sigma),
+      Square(tilt_sigma), pose(2, 2), Vector3d::Constant(Square(gyro_sigma)),
       Vector3d::Constant(Square(accelerometer_sigma));
   return covariance;
 }
@@ -47,6 +47,7 @@ InertialNavigator::InertialNavigator(const Session& session, const InertialOptio
       odometry_(session.odometry, kMaxOdometryGap_s) {
   if (!options.use) return;
   imu_ = UsableImu(session.imu);
+  if (imu_.empty()) return;
   quiet_ = FindQuiet(imu_, {});
   const ScanGeometry& geometry = session.geometries.front();
   sweep_ns_ = static_cast<StampNs>(1e9 * geometry.time_increment_s * geometry.num_beams);
@@ -83,9 +84,17 @@ Pose2 InertialNavigator::LidarPose(const InertialState& state) const {
   return {place.x(), place.y(), NormalizeAngle(HeadingOf(state.local_from_body) + mounting.theta)};
 }
 
-double InertialNavigator::tilt_rad() const {
-  if (!filter_) return 0.0;
-  return std::acos(std::clamp((filter_->state().local_from_body * Vector3d::UnitZ()).z(), -1.0, 1.0));
+// A tilt that comes and goes is one doubt.
+void InertialNavigator::WatchTilt(StampNs stamp_ns) {
+  const Vector3d up = filter_->state().local_from_body * Vector3d::UnitZ();
+  const double tilt = std::acos(std::clamp(up.z(), -1.0, 1.0));
+  if (tilt > options_.max_tilt_rad) {
+    if (!tilted_) tilted_ = InertialDoubt{InertialDoubt::Cause::kTilted, stamp_ns, 0.0};
+    tilted_->value = std::max(tilted_->value, tilt);
+  } else if (tilted_) {
+    summary_.doubts.push_back(*tilted_);
+    tilted_.reset();
+  }
 }
 
 // False, with the filter stopped, when samples are missing on the way.
@@ -139,8 +148,7 @@ std::optional<InertialMotion> InertialNavigator::Advance(StampNs stamp_ns) {
   const double velocity_variance = std::max(covariance(3, 3), covariance(4, 4));
   const double gyro_noise = Square(options_.noise.gyro_noise_rad_s_rthz);
   moved.variances = {velocity_variance * dt * dt, covariance(11, 11) * dt * dt + gyro_noise * dt};
-  summary_.seconds += dt;
-  summary_.max_tilt_rad = std::max(summary_.max_tilt_rad, tilt_rad());
+  WatchTilt(stamp_ns);
   return moved;
 }
 
@@ -170,9 +178,8 @@ void InertialNavigator::Start(StampNs stamp_ns, const ScanObservation& observati
       const StampNs middle = (imu_[r.begin].stamp_ns + imu_[r.end - 1].stamp_ns) / 2;
       return Seconds(imu_[r.end - 1].stamp_ns - imu_[r.begin].stamp_ns) + (OnMark(middle) ? 1e6 : 0.0);
     };
-    const SampleRange best = *std::max_element(quiet_.begin(), quiet_.end(), [&](const auto& a, const auto& b) {
-      return length(a) < length(b);
-    });
+    const SampleRange best = *std::max_element(quiet_.begin(), quiet_.end(),
+                                               [&](const auto& a, const auto& b) { return length(a) < length(b); });
     if (const auto rest = Level(std::span(imu_).subspan(best.begin, best.end - best.begin))) {
       state.gyro_bias = rest->mean_rate_in_body;
       gyro_sigma = length(best) > 1e6 ? 1e-3 : 5e-3;
@@ -180,17 +187,17 @@ void InertialNavigator::Start(StampNs stamp_ns, const ScanObservation& observati
   }
   const Pose2& mounting = session_.setup.body_from_lidar;
   const Pose2 body = observation.local_from_scan * Inverse(mounting);
-  state.local_from_body =
-      Eigen::Quaterniond(Eigen::AngleAxisd(body.theta, Vector3d::UnitZ())) * here->level_from_body;
-  const Eigen::Vector2d v_lidar = Rotation2(observation.local_from_scan.theta) *
-                                  Eigen::Vector2d(observation.twist.vx, observation.twist.vy);
+  state.local_from_body = Eigen::Quaterniond(Eigen::AngleAxisd(body.theta, Vector3d::UnitZ())) * here->level_from_body;
+  const Eigen::Vector2d v_lidar =
+      Rotation2(observation.local_from_scan.theta) * Eigen::Vector2d(observation.twist.vx, observation.twist.vy);
   const Vector3d offset = state.local_from_body * Lever(mounting);
   state.p_in_local = Vector3d(observation.local_from_scan.x, observation.local_from_scan.y, 0.0) -
                      Vector3d(offset.x(), offset.y(), 0.0);
   state.v_in_local = Vector3d(v_lidar.x(), v_lidar.y(), 0.0) -
                      Vector3d(0, 0, observation.twist.omega).cross(Vector3d(offset.x(), offset.y(), 0.0));
-  const Matrix3d pose = Vector3d(Square(options_.match_sigma_m), Square(options_.match_sigma_m),
-                                 Square(options_.match_sigma_rad)).asDiagonal();
+  const Matrix3d pose =
+      Vector3d(Square(options_.match_sigma_m), Square(options_.match_sigma_m), Square(options_.match_sigma_rad))
+          .asDiagonal();
   filter_.emplace(state,
                   StartCovariance(tilt_sigma, 0.5, gyro_sigma, options_.noise.accelerometer_bias_sigma_m_s2, pose),
                   options_.noise, earth_);
@@ -236,18 +243,20 @@ void InertialNavigator::FeedStep(StampNs stamp_ns, const ScanObservation& observ
   UpdateByStandstill(stamp_ns);
   if (observation.matched) {
     Matrix3d covariance = observation.covariance;
-    covariance.diagonal() += Vector3d(Square(options_.match_sigma_m), Square(options_.match_sigma_m),
-                                      Square(options_.match_sigma_rad));
+    covariance.diagonal() +=
+        Vector3d(Square(options_.match_sigma_m), Square(options_.match_sigma_m), Square(options_.match_sigma_rad));
     const Pose2& mounting = session_.setup.body_from_lidar;
     if (filter_->UpdatePlanarPose(observation.local_from_scan, covariance, mounting)) {
       contradicted_s_ = 0.0;
     } else {
-      ++summary_.refused_matches;
       contradicted_s_ += Seconds(stamp_ns - step_ns_);
     }
   }
   if (contradicted_s_ > kContradictionLimit_s) {
+    summary_.doubts.push_back(
+        {InertialDoubt::Cause::kContradicted, stamp_ns - static_cast<StampNs>(1e9 * contradicted_s_), contradicted_s_});
     last_known_ = filter_->state();
+    --summary_.restarts;  // no gap
     Start(stamp_ns, observation);
     contradicted_s_ = 0.0;
     return;
@@ -271,6 +280,7 @@ void InertialNavigator::Observe(StampNs stamp_ns, const ScanObservation& observa
 
 std::vector<SmoothedCorrection> InertialNavigator::Smoothed(InertialSummary* summary) const {
   *summary = summary_;
+  if (tilted_) summary->doubts.push_back(*tilted_);
   std::vector<SmoothedCorrection> corrections(steps_.size());
   Smooth(steps_, [&](std::size_t k, const InertialState& state, const ErrorMatrix& covariance) {
     summary->gyro_bias += state.gyro_bias / static_cast<double>(steps_.size());

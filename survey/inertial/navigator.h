@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Inertial navigation of a block beside the scan matcher (DESIGN section 6): mechanizes the IMU from scan to scan, learns velocity,
-// tilt and biases from the matches, from odometry and from standing on marks, and foretells the motion to the next
-// scan. Where the IMU is missing for longer than a few samples it says so and starts anew behind the gap.
+// Inertial navigation of a block beside the scan matcher (DESIGN section 6): mechanizes the IMU from scan to scan,
+// learns velocity, tilt and biases from the matches, from odometry and from standing on marks, and foretells the motion
+// to the next scan. Where the IMU is missing for longer than a few samples it says so and starts anew behind the gap.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,13 +31,14 @@ struct InertialOptions {
   double standstill_sigma_m_s = 0.01;
   double odometry_sigma_m_s = 0.05;     // of a velocity by odometry ...
   double odometry_sigma_per_m_s = 0.1;  // ... and of its scale
+  double max_tilt_rad = 0.26;           // beyond, the platform is no cart on a floor
 };
 
 // From the last scan to this one.
 struct InertialMotion {
-  Pose2 motion;                                            // lidar then <- lidar now
-  Eigen::Vector2d variances = Eigen::Vector2d::Zero();     // of its translation per axis (m2) and rotation (rad2)
-  Twist2 twist;                                            // of the lidar during the sweep that begins now
+  Pose2 motion;                                         // lidar then <- lidar now
+  Eigen::Vector2d variances = Eigen::Vector2d::Zero();  // of its translation per axis (m2) and rotation (rad2)
+  Twist2 twist;                                         // of the lidar during the sweep that begins now
   Eigen::Matrix2d level_from_lidar = Eigen::Matrix2d::Identity();  // projects points of the scan to the horizontal
 };
 
@@ -46,24 +47,30 @@ struct ScanObservation {
   Pose2 local_from_scan;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   bool matched = false;
-  Twist2 twist;                // since the last scan
+  Twist2 twist;  // since the last scan
   StampNs odometry_lead_ns = 0;
 };
 
+// Where the IMU doubts the track.
+struct InertialDoubt {
+  enum class Cause { kTilted, kContradicted };
+  Cause cause = Cause::kTilted;
+  StampNs stamp_ns = 0;  // where it begins
+  double value = 0.0;    // largest tilt (rad); how long (s)
+};
+
 struct InertialSummary {
-  double seconds = 0.0;    // navigated
-  int restarts = 0;        // after gaps
-  int refused_matches = 0;  // that contradicted the IMU
-  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  // smoothed mean, rad/s
+  int restarts = 0;                                              // after gaps
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();           // smoothed mean, rad/s
   Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  // m/s2
-  double max_tilt_rad = 0.0;
+  std::vector<InertialDoubt> doubts;                             // in order of their causes' ends
 };
 
 // Where the smoothed trajectory lies against the one that was filtered, at one scan.
 struct SmoothedCorrection {
   StampNs stamp_ns = 0;
-  bool continues = false;                               // from the one before; false behind a gap
-  Pose2 filtered_from_smoothed;                         // of the lidar
+  bool continues = false;                                // from the one before; false behind a gap
+  Pose2 filtered_from_smoothed;                          // of the lidar
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // of the smoothed pose in the local frame
 };
 
@@ -76,10 +83,6 @@ class InertialNavigator {
   std::optional<InertialMotion> Advance(StampNs stamp_ns);
   void Observe(StampNs stamp_ns, const ScanObservation& observation);
 
-  // How long the matches have contradicted the IMU without a break, s.
-  double contradicted_s() const { return contradicted_s_; }
-  double tilt_rad() const;  // of the platform against the horizontal; 0 while there is no IMU
-
   // At the end of the block: smooths, fills the summary.
   std::vector<SmoothedCorrection> Smoothed(InertialSummary* summary) const;
 
@@ -91,6 +94,7 @@ class InertialNavigator {
   void FeedStep(StampNs stamp_ns, const ScanObservation& observation, const ErrorTransition& transition);
   void UpdateByOdometry(StampNs stamp_ns, StampNs lead_ns);
   void UpdateByStandstill(StampNs stamp_ns);
+  void WatchTilt(StampNs stamp_ns);
   bool OnMark(StampNs stamp_ns) const;
   Pose2 LidarPose(const InertialState& state) const;
   Twist2 LidarTwist(StampNs stamp_ns) const;
@@ -103,15 +107,16 @@ class InertialNavigator {
   std::vector<SampleRange> quiet_;
   OdometryTrack odometry_;
   StampNs sweep_ns_ = 0;
-  std::optional<ErrorStateFilter> filter_;  // while there is an IMU
+  std::optional<ErrorStateFilter> filter_;   // while there is an IMU
   std::optional<InertialState> last_known_;  // biases survive a gap
   std::size_t next_ = 0;                     // first sample behind `time_ns_`
   StampNs time_ns_ = 0;
   ImuSample now_;  // at time_ns_
   Pose2 last_lidar_;
-  StampNs step_ns_ = 0;  // of the last step
+  StampNs step_ns_ = 0;                                          // of the last step
   Eigen::Vector3d turned_since_step_ = Eigen::Vector3d::Zero();  // integral of the raw rate, rad
-  double contradicted_s_ = 0.0;
+  double contradicted_s_ = 0.0;                                  // how long the matches have been refused, s
+  std::optional<InertialDoubt> tilted_;
   std::vector<FilterStep> steps_;
   InertialSummary summary_;
 };

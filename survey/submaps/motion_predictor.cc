@@ -13,7 +13,7 @@ constexpr int kLeadSteps = 14;               // to either side
 constexpr double kMinExcitation_rad2 = 0.5;  // squared turns before a lead is believed
 constexpr double kMinGain = 0.7;             // a lead must lower the squared differences to this part
 constexpr double kVelocityMemory_s = 0.1;
-constexpr double kMaxVelocitySpan_s = 1.0;   // constant velocity is not continued for longer
+constexpr double kMaxVelocitySpan_s = 1.0;  // constant velocity is not continued for longer
 
 double Square(double value) { return value * value; }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Where the lidar will be at the next scan, from the motion since the last one: by the IMU, by wheel odometry and by
-// constant velocity, each weighted by how well it foretold the last matches. Wheels that slip, drift or answer late lose their
-// weight; where the odometry leads or lags the laser, the lead is estimated from the turns of both.
+// constant velocity, each weighted by how well it foretold the last matches. Wheels that slip, drift or answer late
+// lose their weight; where the odometry leads or lags the laser, the lead is estimated from the turns of both.
 #pragma once
 
 #include <optional>

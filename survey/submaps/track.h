@@ -76,6 +76,23 @@ struct ReviewRequest {
   std::string message;  // for people
 };
 
+// A place where the track may have come apart: what lies behind it may be displaced against what lies before.
+struct TrackBreak {
+  ScanId scan;          // the first one behind
+  std::string message;  // for people
+};
+
+// By what the block was navigated from scan to scan, and what the IMU turned out to be.
+struct NavigationSummary {
+  double inertial_s = 0.0;  // by the IMU, with or without odometry beside it
+  double odometry_s = 0.0;  // by odometry without IMU
+  double constant_velocity_s = 0.0;
+  double unmatched_s = 0.0;                                      // of all these: no scan match held the track
+  int imu_restarts = 0;                                          // behind gaps of the IMU
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();           // mean over the block, rad/s
+  Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();  // m/s2
+};
+
 // An occupation of a point, carried by one node: the mean of the scans that stood still on it.
 struct TrackedMark {
   std::string point;
@@ -92,7 +109,11 @@ struct Track {
   std::vector<Submap> submaps;                // by id
   std::vector<SubmapConstraint> constraints;  // nodes in the submaps they were inserted into
   std::vector<ReviewRequest> requests;
+  NavigationSummary navigation;
 };
+
+// The requests that are breaks.
+std::vector<TrackBreak> BreaksOf(const Track& track);
 
 // A constraint between a submap and a scan that are not neighbours in time.
 struct Loop {

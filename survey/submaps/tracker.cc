@@ -8,6 +8,7 @@
 #include "survey/sensors/scan_points.h"
 #include "survey/submaps/marks.h"
 #include "survey/submaps/rendering.h"
+#include "survey/submaps/unmatched.h"
 
 namespace survey {
 namespace {
@@ -44,8 +45,11 @@ class Tracker {
   }
 
   Track Finish() {
+    InertialSummary inertial;
+    BridgeUnmatched(session_, predictor_.navigator().Smoothed(&inertial), &track_);
     track_.marks = TrackMarks(session_, track_.scans);
-    AddRequests();
+    AddRequests(session_, inertial, &track_);
+    track_.navigation = SummarizeNavigation(session_, inertial, track_);
     return std::move(track_);
   }
 
@@ -112,8 +116,6 @@ class Tracker {
     nodes_since_start_ = 0;
   }
 
-  void AddRequests();
-
   const Session& session_;
   const TrackOptions& options_;
   MotionPredictor predictor_;
@@ -127,19 +129,6 @@ class Tracker {
   ScanPoints points_;  // of the scan at hand
   PreparedScan prepared_;
 };
-
-// A stretch of scans without a match is a question for a person; without odometry it may hide a break of the map.
-void Tracker::AddRequests() {
-  for (std::size_t i = 1; i < track_.scans.size(); ++i) {
-    if (track_.scans[i].matched) continue;
-    const std::size_t begin = i;
-    while (i < track_.scans.size() && !track_.scans[i].matched) ++i;
-    const double seconds = Seconds(session_.scans[i - 1].stamp_ns - session_.scans[begin - 1].stamp_ns);
-    const bool odometry = track_.scans[begin].prediction == Prediction::kOdometry;
-    track_.requests.push_back({track_.scans[begin].scan, odometry ? "odometry_only" : "break", seconds,
-                               std::to_string(i - begin) + " scans without a match in the map"});
-  }
-}
 
 }  // namespace
 

@@ -93,6 +93,11 @@ survey::SubmapConstraint RandomArtefacts::Constraint(int num_submaps, int num_sc
           Covariance<3>()};
 }
 
+survey::NavigationSummary RandomArtefacts::Navigation() {
+  const auto positive = [this] { return std::abs(Real(100.0)); };
+  return {positive(), positive(), positive(), positive(), 2, {Real(1), Real(1), Real(1)}, {Real(1), Real(1), Real(1)}};
+}
+
 survey::Track RandomArtefacts::Track(int num_scans) {
   const auto scans = static_cast<std::uint64_t>(num_scans);
   survey::Track track;
@@ -112,6 +117,7 @@ survey::Track RandomArtefacts::Track(int num_scans) {
     track.marks.push_back({Text(), i, i + 1, ScanIdOf(Below(scans)), Vector2(), Covariance<2>()});
     track.requests.push_back({ScanIdOf(Below(scans)), Text(), Real(1.0), Text()});
   }
+  track.navigation = Navigation();
   return track;
 }
 
@@ -143,6 +149,8 @@ survey::Solution RandomArtefacts::Solution(int num_scans) {
     solution.marks.push_back({Text(), i, i + 1, ScanIdOf(Below(static_cast<std::uint64_t>(num_scans))), Coin(),
                               Vector2(), Covariance<2>(), Vector2(), Vector2()});
   }
+  solution.navigation = Navigation();
+  solution.breaks = {{ScanIdOf(0), Text()}, {ScanIdOf(1), Text()}};
   solution.statistics = {1, 2, 3, 4, 5, 6, 7, Real(1e9), Real(1.0), Real(2.0)};
   return solution;
 }

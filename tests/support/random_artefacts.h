@@ -23,6 +23,7 @@ class RandomArtefacts {
   explicit RandomArtefacts(std::uint64_t seed) : engine_(seed) {}
 
   survey::Session Session(int num_scans, int num_beams);
+  survey::NavigationSummary Navigation();
   survey::Track Track(int num_scans);
   survey::Loops Loops(int num_loops);
   survey::ControlNetwork Control(int num_points);

@@ -9,6 +9,7 @@
 #include "formats/crs_area.h"
 #include "formats/errors.h"
 #include "formats/line_reader.h"
+#include "formats/text_encoding.h"
 #include "formats/text_numbers.h"
 
 namespace formats {
@@ -30,38 +31,6 @@ struct Row {
 std::string Lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return text;
-}
-
-bool IsUtf8(const std::string& text) {
-  std::size_t i = 0;
-  while (i < text.size()) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    const std::size_t length = lead < 0x80                   ? 1
-                               : lead >= 0xC2 && lead < 0xE0 ? 2
-                               : (lead >> 4U) == 0xE         ? 3
-                               : lead < 0xF5                 ? 4
-                                                             : 0;
-    if (length == 0 || (lead >= 0x80 && lead < 0xC2) || i + length > text.size()) return false;
-    for (std::size_t k = 1; k < length; ++k) {
-      if ((static_cast<unsigned char>(text[i + k]) >> 6U) != 2) return false;
-    }
-    i += length;
-  }
-  return true;
-}
-
-std::string Utf8OfLatin1(const std::string& text) {
-  std::string utf8;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80) {
-      utf8 += c;
-    } else {
-      utf8 += static_cast<char>(0xC0U | (byte >> 6U));
-      utf8 += static_cast<char>(0x80U | (byte & 0x3FU));
-    }
-  }
-  return utf8;
 }
 
 class Reader {

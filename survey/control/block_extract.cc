@@ -36,9 +36,18 @@ const ControlPoint* FindPoint(const ControlNetwork& network, const std::string& 
 ControlNetwork ExtractOfBlock(const ControlNetwork& network, const std::vector<std::string>& marked) {
   const std::set<std::string> names(marked.begin(), marked.end());
   ControlNetwork extract{.frame = network.frame};
-  for (const ControlPoint& point : network.points) {
+  std::vector<int> place(network.points.size(), -1);  // in the extract
+  for (std::size_t i = 0; i < network.points.size(); ++i) {
+    const ControlPoint& point = network.points[i];
     const bool usable = point.role == PointRole::kControl || point.role == PointRole::kTie;
-    if (usable && names.contains(point.name)) extract.points.push_back(point);
+    if (!usable || !names.contains(point.name)) continue;
+    place[i] = static_cast<int>(extract.points.size());
+    extract.points.push_back(point);
+  }
+  for (PointCorrelation pair : network.correlations) {
+    pair.a = place[static_cast<std::size_t>(pair.a)];
+    pair.b = place[static_cast<std::size_t>(pair.b)];
+    if (pair.a >= 0 && pair.b >= 0) extract.correlations.push_back(pair);
   }
   return extract;
 }

@@ -15,7 +15,8 @@ namespace survey {
 // Null when the network has no point of that name.
 const ControlPoint* FindPoint(const ControlNetwork& network, const std::string& name);
 
-// The control and tie points among `marked` (names in any order, repeated or not), in order of their names.
+// The control and tie points among `marked` (names in any order, repeated or not), in order of their names, with the
+// covariances between them and nothing else.
 ControlNetwork ExtractOfBlock(const ControlNetwork& network, const std::vector<std::string>& marked);
 
 // Names of a check point and the control point that is the same place (nearer than `distance_m`): no check at all.

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "survey/control/adjustment_summary.h"
+
 namespace survey {
 
 // One role per run, fixed before the solution. control: ties the map; check: tests it and never enters `adjust`;
@@ -35,8 +37,16 @@ struct ControlPoint {
   Eigen::Vector2d position_in_site = Eigen::Vector2d::Zero();  // east, north (m)
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();        // m2, same order
   std::optional<double> elevation_m;
+  std::optional<double> elevation_sigma_m;  // 1 sigma
   std::string description;
   std::string reason;  // why excluded
+};
+
+// Covariance between two points: rows east, north of `a`, columns those of `b`; m2.
+struct PointCorrelation {
+  int a = 0;  // indices of the points, a < b
+  int b = 0;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
 // The coordinate system of a site. wkt2 is empty for the control's own plane (an engineering CRS).
@@ -48,6 +58,10 @@ struct SiteFrame {
 struct ControlNetwork {
   SiteFrame frame;
   std::vector<ControlPoint> points;  // in order of their names
+  std::vector<PointCorrelation> correlations;      // in order of a, b; pairs that are not here are independent
+  std::optional<AdjustmentSummary> adjustment;     // of the observations behind the points
+  std::vector<AdjustedObservation> observations;   // that were adjusted here
+  std::vector<std::string> remarks;  // sentences on how the coordinates came into the site's system
 };
 
 }  // namespace survey

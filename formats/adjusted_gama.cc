@@ -18,9 +18,8 @@ class GamaAdjustmentReader {
   AdjustedNetworkFile Read() {
     ReadXml(file_,
             {.start = [this](XmlElement& element) { Start(element); },
-             .end = [this](const std::string& name, const std::string& text, const std::string& where) {
-               End(name, std::string(Trimmed(text)), where);
-             }},
+             .end = [this](const std::string& name, const std::string& text,
+                           const std::string& where) { End(name, std::string(Trimmed(text)), where); }},
             &result_.warnings);
     if (result_.points.empty()) throw DataError(file_.string() + ": holds no points");
     SpreadCovariance();
@@ -37,7 +36,8 @@ class GamaAdjustmentReader {
     if (name == "network-general-parameters") {
       const std::string axes = element.NeededText("axes-xy");
       if (!ParsePlaneAxes(axes, axes_)) element.Fail("axes-xy = \"" + axes + "\": is not known");
-      // Where the hands of axes and angles differ Gama computes with the mirrored y, and prints the covariances of that.
+      // Where the hands of axes and angles differ Gama computes with the mirrored y, and prints the covariances of
+      // that.
       const bool left_handed_axes = (axes_[0].component == 1) == (axes_[0].sign == axes_[1].sign);
       const bool left_handed_angles = element.NeededText("angles") == "left-handed";
       y_sign_ = left_handed_axes == left_handed_angles ? 1.0 : -1.0;
@@ -84,6 +84,7 @@ class GamaAdjustmentReader {
     if (name == "defect") result_.defect = static_cast<int>(NumberOf(text, where));
     if (name == "apriori") result_.sigma_zero_a_priori = NumberOf(text, where);
     if (name == "aposteriori") result_.sigma_zero_a_posteriori = NumberOf(text, where);
+    if (name == "used") result_.sigma_used_is_a_posteriori = text == "aposteriori";
     if (name == "probability") result_.confidence = NumberOf(text, where);
   }
 
@@ -135,8 +136,9 @@ class GamaAdjustmentReader {
       }
     }
     if (band_ + 1 < static_cast<int>(places.size())) {
-      result_.warnings.push_back(file_.string() + ": holds only a band of the covariance matrix; what lies outside it "
-                                                  "counts as zero");
+      result_.warnings.push_back(file_.string() +
+                                 ": holds only a band of the covariance matrix; what lies outside it "
+                                 "counts as zero");
     }
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// GNU Gama's adjustment output (XML): coordinates with their covariance, the best carrier of control that another office
-// has adjusted [Gama, "XML adjustment output"].
+// GNU Gama's adjustment output (XML): coordinates with their covariance, the best carrier of control that another
+// office has adjusted [Gama, "XML adjustment output"].
 #pragma once
 
 #include <Eigen/Core>
@@ -25,6 +25,7 @@ struct AdjustedNetworkFile {
   Eigen::MatrixXd covariance;         // three rows for each point, m2; zero for what is not adjusted
   double sigma_zero_a_priori = 0.0;
   double sigma_zero_a_posteriori = 0.0;
+  bool sigma_used_is_a_posteriori = false;  // in the covariance
   int degrees_of_freedom = 0;
   int num_observations = 0;
   int num_unknowns = 0;

@@ -179,8 +179,62 @@ CREATE TABLE points (
   cov_en REAL NOT NULL,
   cov_nn REAL NOT NULL CHECK (cov_nn >= 0),
   elevation REAL,          -- m; NULL: not given
+  elevation_sigma REAL CHECK (elevation_sigma >= 0),  -- m, 1 sigma; NULL: not given
   description TEXT NOT NULL,
   reason TEXT NOT NULL     -- why excluded
+) STRICT;
+CREATE TABLE correlations (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  point_a INTEGER NOT NULL REFERENCES points (id),
+  point_b INTEGER NOT NULL REFERENCES points (id),
+  cov_ee REAL NOT NULL,  -- of a's easting with b's easting, m2
+  cov_en REAL NOT NULL,  -- of a's easting with b's northing
+  cov_ne REAL NOT NULL,
+  cov_nn REAL NOT NULL,
+  CHECK (point_a < point_b),
+  UNIQUE (point_a, point_b)
+) STRICT;
+CREATE TABLE adjustment (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  software TEXT NOT NULL,
+  description TEXT NOT NULL,
+  num_observations INTEGER NOT NULL CHECK (num_observations >= 0),
+  num_unknowns INTEGER NOT NULL CHECK (num_unknowns >= 0),
+  defect INTEGER NOT NULL CHECK (defect >= 0),  -- settled by constrained coordinates
+  degrees_of_freedom INTEGER NOT NULL CHECK (degrees_of_freedom >= 0),
+  sigma_zero_a_priori REAL NOT NULL CHECK (sigma_zero_a_priori > 0),
+  sigma_zero REAL NOT NULL CHECK (sigma_zero >= 0),  -- a posteriori; 0 without redundancy
+  degrees INTEGER NOT NULL CHECK (degrees IN (0, 1)),  -- angles were given in degrees, else gon
+  scaled INTEGER NOT NULL CHECK (scaled IN (0, 1)),    -- covariances are scaled by sigma zero a posteriori
+  confidence REAL NOT NULL CHECK (confidence > 0 AND confidence < 1),
+  chi_square REAL NOT NULL,
+  chi_square_lower REAL NOT NULL,
+  chi_square_upper REAL NOT NULL,
+  critical_w REAL NOT NULL CHECK (critical_w >= 0),  -- 0: single observations were not tested here
+  largest_w REAL NOT NULL CHECK (largest_w >= 0),
+  num_uncontrolled INTEGER NOT NULL CHECK (num_uncontrolled >= 0),
+  num_suspected INTEGER NOT NULL CHECK (num_suspected >= 0)
+) STRICT;
+CREATE TABLE observations (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  kind TEXT NOT NULL,
+  from_point TEXT NOT NULL,
+  to_point TEXT NOT NULL,    -- of an angle: the backsight
+  fore_point TEXT NOT NULL,  -- of an angle: the foresight
+  angular INTEGER NOT NULL CHECK (angular IN (0, 1)),  -- values in rad, else m
+  observed REAL NOT NULL,    -- horizontal angles clockwise
+  sigma REAL NOT NULL CHECK (sigma > 0),  -- a priori
+  adjusted REAL NOT NULL,
+  residual REAL NOT NULL,    -- adjusted minus observed
+  sigma_adjusted REAL NOT NULL CHECK (sigma_adjusted >= 0),  -- a priori
+  w REAL NOT NULL,           -- test statistic; 0 where nothing controls the observation
+  redundancy REAL NOT NULL CHECK (redundancy >= 0 AND redundancy <= 1),
+  minimal_detectable_bias REAL,  -- NULL: nothing controls it
+  suspected INTEGER NOT NULL CHECK (suspected >= 0)  -- as the n-th outlier; 0: not
+) STRICT;
+CREATE TABLE remarks (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  remark TEXT NOT NULL  -- how the coordinates came into the site's system
 ) STRICT;
 )";
 
@@ -291,7 +345,7 @@ constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kSession, 1, "session", kSessionSchema},
     ArtefactFormat{ArtefactKind::kTrack, 2, "track", kTrackSchema},
     ArtefactFormat{ArtefactKind::kLoops, 1, "loops", kLoopsSchema},
-    ArtefactFormat{ArtefactKind::kControl, 1, "control", kControlSchema},
+    ArtefactFormat{ArtefactKind::kControl, 2, "control", kControlSchema},
     ArtefactFormat{ArtefactKind::kSolution, 2, "solution", kSolutionSchema},
     ArtefactFormat{ArtefactKind::kFeatures, 1, "features", kFeaturesSchema},
 };

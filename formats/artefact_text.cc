@@ -8,6 +8,7 @@
 #include "formats/atomic_file.h"
 #include "formats/digest.h"
 #include "formats/errors.h"
+#include "formats/network_report.h"
 #include "formats/raster_facts.h"
 #include "formats/table_text.h"
 #include "formats/text_table.h"
@@ -74,7 +75,11 @@ void PrintSqlite(const fs::path& file, std::ostream& out) {
       << ShortId(Sha256OfFile(file)) << "\n";
   PrintProvenance(ReadProvenance(file), out);
   if (kind == ArtefactKind::kSolution) PrintMarks(ReadSolution(file), out);
-  if (kind == ArtefactKind::kControl) PrintPoints(ReadControl(file), out);
+  if (kind == ArtefactKind::kControl) {
+    const survey::ControlNetwork network = ReadControl(file);
+    PrintPoints(network, out);
+    PrintNetworkReport(network, out);
+  }
   Database database = Database::OpenForReading(file);
   PrintTables(database, out);
 }

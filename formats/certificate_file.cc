@@ -52,8 +52,12 @@ NLOHMANN_JSON_SERIALIZE_ENUM(PointRole, {{PointRole::kControl, "control"},
                                          {PointRole::kExcluded, "excluded"}})
 NLOHMANN_JSON_SERIALIZE_ENUM(CheckKind, {{CheckKind::kPoint, "check point"}, {CheckKind::kFeature, "check feature"}})
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SiteFrame, crs, wkt2)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ControlPoint, name, role, position_in_site, covariance, elevation_m, description,
-                                   reason)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ControlPoint, name, role, position_in_site, covariance, elevation_m,
+                                   elevation_sigma_m, description, reason)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AdjustmentSummary, software, description, num_observations, num_unknowns, defect,
+                                   degrees_of_freedom, sigma_zero_a_priori, sigma_zero, degrees, scaled, confidence,
+                                   chi_square, chi_square_lower, chi_square_upper, critical_w, largest_w,
+                                   num_uncontrolled, num_suspected)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Bounds, low, high)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BiasTest, t_squared, p_value)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorStatistics, num_errors, num_points, mean, rmse_by_axis, rmse, rmse_survey,
@@ -74,8 +78,9 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingPair, block_a, block_b, feature, dif
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamSummary, block_a, block_b, overlap_area_m2, num_windows, rms, contradicted_share)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingAccuracy, pairs, rms, max, seams)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, blocks, fit, checks,
-                                   points_test, features_test, stitching, not_tested)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, control_adjustment,
+                                   control_remarks, blocks, fit, checks, points_test, features_test, stitching,
+                                   not_tested)
 
 }  // namespace survey
 
@@ -85,7 +90,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "plumbline-certificate";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 }  // namespace
 

@@ -294,6 +294,29 @@ std::string FitSection(const Certificate& c) {
          table.Text();
 }
 
+// How the control was adjusted and brought into the site's system.
+std::string ControlNetworkText(const Certificate& c) {
+  std::string html;
+  if (c.control_adjustment) {
+    const survey::AdjustmentSummary& s = *c.control_adjustment;
+    html += "Adjusted by " + Escaped(s.software) + (s.description.empty() ? "" : " (" + Escaped(s.description) + ")") +
+            ": " + Count(s.num_observations, "observation") + ", " + Count(s.num_unknowns, "unknown") + ", datum " +
+            (s.defect > 0 ? "free (defect " + std::to_string(s.defect) + ")" : "fixed") + ". ";
+    if (s.degrees_of_freedom > 0) {
+      html += "&sigma;<sub>0</sub> a posteriori " + Fixed(s.sigma_zero / s.sigma_zero_a_priori, 3) +
+              " of the a priori value; &chi;&sup2; test at " + Fixed(100 * s.confidence, 0) +
+              " %: " + Fixed(s.chi_square_lower, 2) + " &lt; " + Fixed(s.chi_square, 2) + " &lt; " +
+              Fixed(s.chi_square_upper, 2) + (s.ChiSquareHolds() ? " passed" : " <b>failed</b>") + ". ";
+    } else {
+      html += "No redundancy: nothing was tested. ";
+    }
+    if (s.num_suspected > 0) html += Count(s.num_suspected, "observation") + " suspected as outliers, all kept. ";
+    if (s.num_uncontrolled > 0) html += Count(s.num_uncontrolled, "observation") + " not controlled by any other. ";
+  }
+  for (const std::string& remark : c.control_remarks) html += Escaped(remark) + ". ";
+  return html.empty() ? "" : P(html, "note");
+}
+
 std::string ControlListSection(const Certificate& c) {
   HtmlTable table({"point", "role", "description", "east (m)", "north (m)", "&sigma;E (mm)", "&sigma;N (mm)"}, 3);
   bool any = false;
@@ -305,7 +328,7 @@ std::string ControlListSection(const Certificate& c) {
                Coordinate(point.position_in_site.x()), Coordinate(point.position_in_site.y()),
                Millimetres(std::sqrt(point.covariance(0, 0))), Millimetres(std::sqrt(point.covariance(1, 1)))});
   }
-  return any ? H2("Control list") + table.Text() : "";
+  return any ? H2("Control list") + ControlNetworkText(c) + table.Text() : "";
 }
 
 // Which block a record worked for: the names in the roles of the site's stages ("solution B1"), handed down to the

@@ -20,8 +20,8 @@ using survey::ControlPoint;
 using survey::PointRole;
 
 constexpr double kLargestSigmaM = 10.0;
-constexpr const char* kColumns[] = {"point",   "northing",    "easting", "elevation", "sigma_n",
-                                    "sigma_e", "description", "role",    "reason",    "cov_en"};
+constexpr const char* kColumns[] = {"point",       "northing", "easting", "elevation", "sigma_n", "sigma_e",
+                                    "description", "role",     "reason",  "cov_en",    "sigma_h"};
 
 struct Row {
   int line = 0;
@@ -41,7 +41,11 @@ class Reader {
     ReadRows();
     if (rows_.empty()) throw DataError(file_.string() + ": holds no points");
     std::size_t first_point = 0;
-    if (HasHeader()) {
+    if (options_.order == "navvis" && rows_.front().fields.size() >= 3 && Lower(rows_.front().fields[1]) == "x" &&
+        Lower(rows_.front().fields[2]) == "y") {
+      SetHeaderlessColumns();
+      first_point = 1;
+    } else if (HasHeader()) {
       ReadHeader();
       first_point = 1;
     } else {
@@ -94,9 +98,23 @@ class Reader {
     }
     if (quoted) throw DataError(At(*row) + "a quoted field is not closed");
     row->fields.emplace_back(Trimmed(field));
-    if (row->fields.size() == 1 && content.find_first_of(";\t") != std::string::npos) {
+    if (row->fields.size() == 1 && Lower(file_.extension().string()) == ".txt" &&
+        content.find(';') == std::string::npos) {
+      SplitAtBlanks(content, row);
+    } else if (row->fields.size() == 1 && content.find_first_of(";\t") != std::string::npos) {
       throw DataError(At(*row) + "\"" + content +
                       "\": fields must be separated by commas and numbers written with a decimal point");
+    }
+  }
+
+  // Point, coordinates and, as all the rest, a description.
+  static void SplitAtBlanks(std::string_view content, Row* row) {
+    row->fields.clear();
+    while (!content.empty()) {
+      const std::size_t end =
+          row->fields.size() < 4 ? std::min(content.find_first_of(" \t"), content.size()) : content.size();
+      row->fields.emplace_back(content.substr(0, end));
+      content = Trimmed(content.substr(end));
     }
   }
 
@@ -146,11 +164,13 @@ class Reader {
                       " with control-order = \"penzd\"");
     }
     const bool northing_first = options_.order == "pnezd";
+    others_ignored_ = options_.order == "navvis";
     columns_ = {{"point", 0},
                 {"northing", northing_first ? 1 : 2},
                 {"easting", northing_first ? 2 : 1},
                 {"elevation", 3},
                 {"description", 4}};
+    if (others_ignored_) columns_.erase("description");
     headerless_ = true;
     num_columns_ = 5;
   }
@@ -186,7 +206,7 @@ class Reader {
 
   void CheckNumberOfFields(const Row& row) const {
     const std::size_t count = row.fields.size();
-    if (headerless_ ? count >= 3 && count <= num_columns_ : count == num_columns_) return;
+    if (headerless_ ? count >= 3 && (count <= num_columns_ || others_ignored_) : count == num_columns_) return;
     const bool more = count > num_columns_;
     throw DataError(
         At(row) + std::to_string(count) + " fields, expected " +
@@ -235,6 +255,7 @@ class Reader {
       point.position_in_site = {NeededNumber(row, "easting"), NeededNumber(row, "northing")};
       point.covariance = CovarianceOf(row);
       point.elevation_m = OptionalNumber(row, "elevation");
+      if (!Field(row, "sigma_h").empty()) point.elevation_sigma_m = Sigma(row, "sigma_h");
     }
     const auto [previous, is_new] = points_.emplace(point.name, point);
     if (is_new) {
@@ -263,27 +284,14 @@ class Reader {
     result_.warnings.push_back(where + " with the same coordinates; taken once");
   }
 
-  // Coordinates outside the CRS's area of use that fall inside when exchanged were exchanged in the file.
   void CheckAxes() {
-    if (options_.crs.empty()) return;
-    const CrsArea area(options_.crs);
-    std::vector<std::string> outside;
+    std::vector<ControlPoint> points;
+    std::vector<std::string> where;
     for (const auto& [name, point] : points_) {
-      if (point.covariance.isZero(0.0) || area.Contains(point.position_in_site)) continue;
-      const Eigen::Vector2d& p = point.position_in_site;
-      if (area.Contains({p.y(), p.x()})) {
-        throw DataError(file_.string() + ":" + std::to_string(lines_.at(name)) + ": point " + name +
-                        ": northing and easting look exchanged: as read, northing " + NumberText(p.y()) + ", easting " +
-                        NumberText(p.x()) + " lies outside the area of use of " + options_.crs +
-                        "; exchanged, northing " + NumberText(p.x()) + ", easting " + NumberText(p.y()) +
-                        " lies inside");
-      }
-      outside.push_back(name);
+      points.push_back(point);
+      where.push_back(file_.string() + ":" + std::to_string(lines_.at(name)) + ": ");
     }
-    if (outside.empty()) return;
-    result_.warnings.push_back(file_.string() + ": " + std::to_string(outside.size()) + " of " +
-                               std::to_string(points_.size()) + " points (first: " + outside.front() +
-                               ") lie outside the area of use of " + options_.crs);
+    CheckControlArea(points, options_.crs, where, &result_.warnings);
   }
 
   const fs::path& file_;
@@ -292,6 +300,7 @@ class Reader {
   std::map<std::string, std::size_t> columns_;
   std::size_t num_columns_ = 0;
   bool headerless_ = false;
+  bool others_ignored_ = false;  // columns after the fourth
   std::map<std::string, ControlPoint> points_;
   std::map<std::string, int> lines_;
   ControlCsv result_;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Control lists as survey offices keep them, one point a row, metres:
-//   named columns  point,northing,easting[,elevation][,sigma_n,sigma_e][,cov_en][,description][,role][,reason], any
-//   order no header      P,N,E[,Z[,D]] (PNEZD) or P,E,N[,Z[,D]] (PENZD); which of the two must be told, it is never
-//   guessed
+//   named columns
+//   point,northing,easting[,elevation][,sigma_n,sigma_e][,cov_en][,sigma_h][,description][,role][,reason],
+//                  in any order
+//   no header      P,N,E[,Z[,D]] (PNEZD), P,E,N[,Z[,D]] (PENZD) or ID,X,Y,Z,... (NavVis: x east, y north; what follows
+//                  is ignored); which of them must be told, it is never guessed
+// In .txt files blanks or tabs may stand for the commas of a list without a header.
 // '#' starts a comment line; a byte-order mark, CRLF and quoted fields are understood; text that is not UTF-8 is taken
 // for Latin-1. role is control (also when empty), check, tie or excluded; only tie points may lack coordinates.
 #pragma once
@@ -17,7 +20,7 @@
 namespace formats {
 
 struct ControlCsvOptions {
-  std::string order;               // of a file without a header: "pnezd" or "penzd"; empty = not told
+  std::string order;               // of a file without a header: "pnezd", "penzd" or "navvis"; empty = not told
   double default_sigma_m = 0.002;  // 1 sigma per axis, where the file has no sigma columns
   std::string crs;                 // when given, axes that look exchanged are found by its area of use
 };

@@ -18,9 +18,10 @@ class LandXmlReader {
   LandXmlFile Read() {
     ReadXml(file_,
             {.start = [this](XmlElement& element) { Start(element); },
-             .end = [this](const std::string& name, const std::string& text, const std::string& where) {
-               if (name == "CgPoint") End(text, where);
-             }},
+             .end =
+                 [this](const std::string& name, const std::string& text, const std::string& where) {
+                   if (name == "CgPoint") End(text, where);
+                 }},
             &result_.warnings);
     if (result_.points.empty()) throw DataError(file_.string() + ": holds no CgPoint");
     if (num_references_ > 0) {
@@ -53,12 +54,9 @@ class LandXmlReader {
   }
 
   void ReadUnit(XmlElement& element) {
-    static const std::map<std::string, double> kUnits = {{"meter", 1.0},
-                                                         {"metre", 1.0},
-                                                         {"millimeter", 1e-3},
-                                                         {"centimeter", 1e-2},
-                                                         {"foot", 0.3048},
-                                                         {"USSurveyFoot", 1200.0 / 3937.0}};
+    static const std::map<std::string, double> kUnits = {{"meter", 1.0},       {"metre", 1.0},
+                                                         {"millimeter", 1e-3}, {"centimeter", 1e-2},
+                                                         {"foot", 0.3048},     {"USSurveyFoot", 1200.0 / 3937.0}};
     const std::string unit = element.NeededText("linearUnit");
     const auto found = kUnits.find(unit);
     if (found == kUnits.end()) element.Fail("linearUnit = \"" + unit + "\": is not known");

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "formats/errors.h"
+#include "formats/text_numbers.h"
 
 namespace formats {
 namespace {
@@ -53,6 +54,28 @@ bool CrsArea::Contains(const Eigen::Vector2d& east_north) const {
   double latitude = east_north.y();
   if (impl_->geographic_from_projected->Transform(1, &longitude, &latitude) == 0) return false;
   return longitude >= impl_->west && longitude <= impl_->east && latitude >= impl_->south && latitude <= impl_->north;
+}
+
+void CheckControlArea(const std::vector<survey::ControlPoint>& points, const std::string& crs,
+                      const std::vector<std::string>& where, std::vector<std::string>* warnings) {
+  if (crs.empty()) return;
+  const CrsArea area(crs);
+  std::size_t num_outside = 0;
+  std::string first;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d& p = points[i].position_in_site;
+    if (points[i].covariance.isZero(0.0) || area.Contains(p)) continue;
+    if (area.Contains({p.y(), p.x()})) {
+      throw DataError(where[i] + "point " + points[i].name +
+                      ": northing and easting look exchanged: as read, northing " + NumberText(p.y()) + ", easting " +
+                      NumberText(p.x()) + " lies outside the area of use of " + crs + "; exchanged, northing " +
+                      NumberText(p.x()) + ", easting " + NumberText(p.y()) + " lies inside");
+    }
+    if (num_outside++ == 0) first = where[i] + "point " + points[i].name;
+  }
+  if (num_outside == 0) return;
+  warnings->push_back(first + (num_outside > 1 ? " and " + std::to_string(num_outside - 1) + " more of " : " of ") +
+                      std::to_string(points.size()) + " points lie outside the area of use of " + crs);
 }
 
 }  // namespace formats

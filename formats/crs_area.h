@@ -6,6 +6,9 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <vector>
+
+#include "survey/control/control_point.h"
 
 namespace formats {
 
@@ -24,5 +27,10 @@ class CrsArea {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Refuses coordinates that lie outside the CRS's area of use but inside it when exchanged, with both readings; warns of
+// others outside. `where` by point; empty crs: nothing is checked.
+void CheckControlArea(const std::vector<survey::ControlPoint>& points, const std::string& crs,
+                      const std::vector<std::string>& where, std::vector<std::string>* warnings);
 
 }  // namespace formats

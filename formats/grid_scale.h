@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From distances on the ground to distances in a projected system: combined factor = point scale of the projection times
-// R / (R + h), R the Gaussian mean radius, h the height above the ellipsoid [survey practice: ground times factor = grid].
+// From distances on the ground to distances in a projected system: combined factor = point scale of the projection
+// times R / (R + h), R the Gaussian mean radius, h the height above the ellipsoid [survey practice: ground times factor
+// = grid].
 #pragma once
 
 #include <Eigen/Core>

@@ -81,9 +81,9 @@ void NetworkClusters::End(const std::string& where) {
 // Indices of the points; false when one is missing or lacks the coordinates that the observation needs.
 bool NetworkClusters::Resolve(NamedObservation* named) const {
   Observation& o = named->observation;
-  const bool height_only = o.kind == ObservationKind::kHeightDifference || o.kind == ObservationKind::kHeight ||
-                           ((o.kind == ObservationKind::kCoordinate || o.kind == ObservationKind::kDifference) &&
-                            o.component == 2);
+  const bool height_only =
+      o.kind == ObservationKind::kHeightDifference || o.kind == ObservationKind::kHeight ||
+      ((o.kind == ObservationKind::kCoordinate || o.kind == ObservationKind::kDifference) && o.component == 2);
   const bool with_height =
       height_only || o.kind == ObservationKind::kSlopeDistance || o.kind == ObservationKind::kZenithAngle;
   const auto find = [&](const std::string& name, int* index) {
@@ -98,8 +98,7 @@ bool NetworkClusters::Resolve(NamedObservation* named) const {
   return find(named->from, &o.from) && find(named->to, &o.to) && find(named->fore, &o.fore);
 }
 
-void NetworkClusters::AddCluster(Cluster& cluster, survey::Network* network,
-                                 std::vector<std::string>* left_out) const {
+void NetworkClusters::AddCluster(Cluster& cluster, survey::Network* network, std::vector<std::string>* left_out) const {
   std::vector<Eigen::Index> kept;
   const std::size_t first = network->observations.size();
   int set = -1;
@@ -107,8 +106,7 @@ void NetworkClusters::AddCluster(Cluster& cluster, survey::Network* network,
     NamedObservation& named = cluster.observations[i];
     if (!Resolve(&named)) {
       left_out->push_back(cluster.where[i] + std::string(survey::Name(named.observation.kind)) + " " + named.from +
-                          (named.to.empty() ? "" : " - " + named.to) +
-                          (named.fore.empty() ? "" : " - " + named.fore));
+                          (named.to.empty() ? "" : " - " + named.to) + (named.fore.empty() ? "" : " - " + named.fore));
       continue;
     }
     if (named.observation.kind == ObservationKind::kDirection) {
@@ -129,8 +127,8 @@ void NetworkClusters::MoveInto(survey::Network* network, std::vector<std::string
   std::vector<std::string> left_out;
   for (Cluster& cluster : clusters_) AddCluster(cluster, network, &left_out);
   if (left_out.empty()) return;
-  warnings->push_back(left_out.front() + (left_out.size() > 1 ? " and " + std::to_string(left_out.size() - 1) + " more"
-                                                              : "") +
+  warnings->push_back(left_out.front() +
+                      (left_out.size() > 1 ? " and " + std::to_string(left_out.size() - 1) + " more" : "") +
                       ": left out, since a point is not listed, or is not adjusted in these coordinates");
 }
 

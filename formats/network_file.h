@@ -24,7 +24,7 @@ struct NetworkFile {
 struct StarnetSigmas {
   double distance_m = 0.0;
   double distance_ppm = 0.0;
-  double angle_arcsec = 0.0;      // also of directions
+  double angle_arcsec = 0.0;  // also of directions
   double azimuth_arcsec = 0.0;
   double zenith_arcsec = 0.0;
   double levelling_m_per_sqrt_km = 0.0;  // of height differences

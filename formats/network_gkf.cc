@@ -36,11 +36,9 @@ class GkfReader {
   explicit GkfReader(const std::filesystem::path& file) : file_(file) {}
 
   NetworkFile Read() {
-    const XmlHandlers handlers = {
-        .start = [this](XmlElement& element) { Start(element); },
-        .end = [this](const std::string& name, const std::string& text, const std::string& where) {
-          End(name, text, where);
-        }};
+    const XmlHandlers handlers = {.start = [this](XmlElement& element) { Start(element); },
+                                  .end = [this](const std::string& name, const std::string& text,
+                                                const std::string& where) { End(name, text, where); }};
     ReadXml(file_, handlers, &result_.warnings);
     if (!seen_network_) throw DataError(file_.string() + ": holds no <network>");
     clusters_.MoveInto(&result_.network, &result_.warnings);
@@ -127,8 +125,8 @@ class GkfReader {
     if (element.Has("distance-stdev")) {
       const std::vector<double> numbers = NumbersOf(element.Text("distance-stdev"), element.where());
       if (numbers.empty() || numbers.size() > 3) element.Fail("distance-stdev takes one to three numbers");
-      distance_sigma_ = DistanceSigma{numbers[0], numbers.size() > 1 ? numbers[1] : 0.0,
-                                      numbers.size() > 2 ? numbers[2] : 1.0};
+      distance_sigma_ =
+          DistanceSigma{numbers[0], numbers.size() > 1 ? numbers[1] : 0.0, numbers.size() > 2 ? numbers[2] : 1.0};
     }
     const auto angular = [&](const char* attribute, ObservationKind kind) {
       if (element.Has(attribute)) angular_sigma_cc_[kind] = element.NeededNumber(attribute);
@@ -200,9 +198,9 @@ class GkfReader {
 
   static std::optional<ObservationKind> KindOf(const std::string& name) {
     static const std::map<std::string, ObservationKind> kKinds = {
-        {"direction", ObservationKind::kDirection}, {"distance", ObservationKind::kDistance},
+        {"direction", ObservationKind::kDirection},      {"distance", ObservationKind::kDistance},
         {"s-distance", ObservationKind::kSlopeDistance}, {"z-angle", ObservationKind::kZenithAngle},
-        {"azimuth", ObservationKind::kAzimuth}, {"angle", ObservationKind::kAngle}};
+        {"azimuth", ObservationKind::kAzimuth},          {"angle", ObservationKind::kAngle}};
     const auto found = kKinds.find(name);
     return found == kKinds.end() ? std::nullopt : std::optional(found->second);
   }
@@ -243,7 +241,8 @@ class GkfReader {
       o.value = element.NeededNumber("val");
       if (o.value <= 0.0) element.Fail("val = " + NumberText(o.value) + ": a distance must be positive");
     }
-    named.covariance_unit = unit * (survey::IsAngular(kind) && kind != ObservationKind::kZenithAngle ? clockwise_ : 1.0);
+    named.covariance_unit =
+        unit * (survey::IsAngular(kind) && kind != ObservationKind::kZenithAngle ? clockwise_ : 1.0);
     o.sigma = Sigma(element, kind, o.value, unit);
     for (const char* other : {"extern", "bs_dh", "fs_dh"}) element.Text(other);
     element.RefuseOthers();
@@ -267,8 +266,7 @@ class GkfReader {
   }
 
   void AddHeightDifference(XmlElement& element) {
-    NamedObservation named{.from = element.NeededText("from"), .to = element.NeededText("to"),
-                           .covariance_unit = kMm};
+    NamedObservation named{.from = element.NeededText("from"), .to = element.NeededText("to"), .covariance_unit = kMm};
     named.observation.kind = ObservationKind::kHeightDifference;
     named.observation.value = element.NeededNumber("val");
     named.observation.sigma = Sigma(element, ObservationKind::kHeightDifference, 0.0, kMm);
@@ -297,7 +295,8 @@ class GkfReader {
     const std::string from = element.NeededText("from"), to = element.NeededText("to");
     const double values[3] = {element.NeededNumber("dx"), element.NeededNumber("dy"), element.NeededNumber("dz")};
     for (const char* other : {"from_dh", "to_dh"}) {
-      if (element.Number(other, 0.0) != 0.0) element.Fail(std::string(other) + ": heights above the points are not known here");
+      if (element.Number(other, 0.0) != 0.0)
+        element.Fail(std::string(other) + ": heights above the points are not known here");
     }
     element.Text("extern");
     element.RefuseOthers();

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "formats/angle_text.h"
 #include "formats/errors.h"
@@ -59,6 +60,10 @@ class StarnetReader {
     result_.angle_unit = AngleUnit::kDegrees;
     result_.network.sigma_zero = 1.0;
     result_.network.use_sigma_a_posteriori = false;
+    // A station that is only levelled has no place in the plane.
+    for (const auto& [name, has_plane] : has_plane_) {
+      if (!has_plane) clusters_.Point(name)->plane = CoordinateUse::kUnused;
+    }
     clusters_.MoveInto(&result_.network, &result_.warnings);
     return std::move(result_);
   }
@@ -138,7 +143,8 @@ class StarnetReader {
       }
     }
     if (names.size() != count) {
-      Fail("\"" + text + "\": expected " + std::to_string(count) + " station names with \"" + separator_ + "\" between");
+      Fail("\"" + text + "\": expected " + std::to_string(count) + " station names with \"" + separator_ +
+           "\" between");
     }
     return names;
   }
@@ -161,7 +167,8 @@ class StarnetReader {
   }
 
   std::optional<double> DistanceSigma(double distance) {
-    const double sigma = defaults_.distance_m > 0.0 ? defaults_.distance_m + 1e-6 * defaults_.distance_ppm * distance : 0.0;
+    const double sigma =
+        defaults_.distance_m > 0.0 ? defaults_.distance_m + 1e-6 * defaults_.distance_ppm * distance : 0.0;
     return Sigma(sigma, metres_per_unit_, "starnet-distance-sigma-m");
   }
   std::optional<double> AngleSigma() {
@@ -183,7 +190,8 @@ class StarnetReader {
     if (!More() || words_[next_].find('/') == std::string::npos) return;
     const std::string text = words_[next_++];
     const std::size_t slash = text.find('/');
-    const std::optional<double> instrument = ParseNumber(text.substr(0, slash)), target = ParseNumber(text.substr(slash + 1));
+    const std::optional<double> instrument = ParseNumber(text.substr(0, slash)),
+                                target = ParseNumber(text.substr(slash + 1));
     if (!instrument || !target) Fail("\"" + text + "\": must be heights of instrument and target, as 1.55/1.60");
     for (NamedObservation& named : *observations) {
       named.observation.instrument_height = *instrument * metres_per_unit_;
@@ -191,7 +199,8 @@ class StarnetReader {
     }
   }
 
-  // ----------------------------------------------------------------------------------------------------- inline options
+  // ----------------------------------------------------------------------------------------------------- inline
+  // options
 
   void ReadOption(const std::string& code) {
     if (code == ".UNITS") return ReadUnits();
@@ -211,7 +220,8 @@ class StarnetReader {
     } else if (code == ".END") {
       ended_ = true;
     } else {
-      Fail("the inline option " + code + " is not known here; known are .UNITS, .ORDER, .2D, .3D, .DELTA, .DATA, .SEP, "
+      Fail("the inline option " + code +
+           " is not known here; known are .UNITS, .ORDER, .2D, .3D, .DELTA, .DATA, .SEP, "
            ".END");
     }
   }
@@ -252,7 +262,8 @@ class StarnetReader {
     }
   }
 
-  // ---------------------------------------------------------------------------------------------------------- data lines
+  // ---------------------------------------------------------------------------------------------------------- data
+  // lines
 
   void ReadData(const std::string& code) {
     RequireSettings();
@@ -286,6 +297,7 @@ class StarnetReader {
       survey::NetworkPoint point{.name = name, .plane = CoordinateUse::kAdjusted};
       if (dimensions_ == 3) point.height = CoordinateUse::kAdjusted;
       clusters_.AddPoint(point, where_);
+      has_plane_.emplace(name, false);
     }
     return *clusters_.Point(name);
   }
@@ -321,7 +333,7 @@ class StarnetReader {
     survey::NetworkPoint& point = PointOf(name);
     if (point.plane_known) Fail("station " + name + " has coordinates already");
     point.position.head<2>() = *north_first_ ? Eigen::Vector2d(second, first) : Eigen::Vector2d(first, second);
-    point.plane_known = true;
+    point.plane_known = has_plane_[name] = true;
     if (dimensions_ == 3) {
       point.position.z() = Length("the elevation");
       point.height_known = true;
@@ -375,7 +387,12 @@ class StarnetReader {
   void Add(const std::vector<NamedObservation>& observations) {
     for (const NamedObservation& named : observations) {
       for (const std::string& name : {named.from, named.to, named.fore}) {
-        if (!name.empty()) PointOf(name);
+        if (name.empty()) continue;
+        PointOf(name);
+        const bool height_only =
+            named.observation.kind == ObservationKind::kHeightDifference ||
+            (named.observation.kind == ObservationKind::kCoordinate && named.observation.component == 2);
+        if (!height_only) has_plane_[name] = true;
       }
     }
     if (!in_set_) clusters_.Begin();
@@ -549,6 +566,7 @@ class StarnetReader {
   char separator_ = '-';
   bool in_set_ = false;
   std::string set_station_;
+  std::map<std::string, bool> has_plane_;
   std::string traverse_back_, traverse_at_, leg_where_;
   std::vector<std::string> leg_words_;
   int num_sideshots_ = 0;

@@ -18,7 +18,7 @@ class XmlElement {
  public:
   XmlElement(std::string where, std::string name) : where_(std::move(where)), name_(std::move(name)) {}
 
-  const std::string& name() const { return name_; }  // without namespace prefix
+  const std::string& name() const { return name_; }    // without namespace prefix
   const std::string& where() const { return where_; }  // "file:line: "
   void Add(std::string attribute, std::string value) { attributes_.emplace(std::move(attribute), std::move(value)); }
 

@@ -8,6 +8,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/control_csv.h"
+#include "formats/control_source.h"
 #include "formats/errors.h"
 #include "formats/raster_file.h"
 #include "pipeline/nearest.h"
@@ -89,14 +90,26 @@ void CheckRequest(const NewSite& request, const GraphStages& stages) {
   formats::Wkt2OfCrs(request.crs);
   if (!request.control.empty()) {
     CheckIsFile(request.control);
-    formats::ReadControlCsv(request.control, {.order = request.control_order, .crs = request.crs});
+    if (!formats::IsControlSource(request.control)) {
+      throw DataError(request.control.string() + ": control must be a .csv, .txt, .gkf, .dat or .xml file");
+    }
+    if (formats::IsPointList(request.control)) {
+      formats::ReadControlCsv(request.control, {.order = request.control_order, .crs = request.crs});
+    }
   }
   if (!request.features.empty()) CheckIsFile(request.features);
 }
 
+// Lists are all called points.csv or points.txt; what another program wrote keeps its name.
+fs::path ControlName(const fs::path& control) {
+  const fs::path folder = "control";
+  return formats::IsPointList(control) ? (folder / "points").concat(control.extension().string())
+                                       : folder / control.filename();
+}
+
 std::vector<Delivery> Deliveries(const NewSite& request, std::vector<std::string>* remarks) {
   std::vector<Delivery> deliveries;
-  if (!request.control.empty()) deliveries.push_back({request.control, "control/points.csv"});
+  if (!request.control.empty()) deliveries.push_back({request.control, ControlName(request.control)});
   if (!request.features.empty()) deliveries.push_back({request.features, "control/features.csv"});
   for (const NewBlock& block : request.blocks) DeliverBlock(block, &deliveries, remarks);
   std::sort(remarks->begin(), remarks->end());

@@ -76,7 +76,11 @@ missing-output = $(if $(filter-out $(wildcard $($(1).outputs)),$($(1).outputs)),
 # ---------------------------------------------------------------------------------------------------------- the graph
 
 blocks := $(sort $(patsubst blocks/%/,%,$(wildcard blocks/*/)))
-points := $(wildcard control/points.csv)
+# Control is one file of any kind that `network` reads; beside it there may be roles, a tie of a site grid, features.
+beside-control := control/features.csv control/roles.csv control/grid-tie.csv
+points := $(sort $(filter-out $(beside-control),$(wildcard $(addprefix control/*.,csv txt gkf dat xml))))
+roles := $(wildcard control/roles.csv)
+grid-tie := $(wildcard control/grid-tie.csv)
 features := $(wildcard control/features.csv)
 edits := $(sort $(wildcard edits/*.geojson))
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
@@ -111,9 +115,9 @@ $(eval $(1): work/$(1)/map.tif ; @:)
 endef
 $(foreach b,$(blocks),$(call block,$(b)))
 
-$(call stage,network,,$(call source,$(points) $(foreach b,$(marked-blocks),$(call marks,$(b)))),\
+$(call stage,network,,$(call source,$(points) $(roles) $(grid-tie) $(foreach b,$(marked-blocks),$(call marks,$(b)))),\
   work/control.sqlite $(call of-blocks,$(marked-blocks),control.sqlite),\
-  $(addprefix --control ,$(points)) $(if $(marked-blocks),--marks $(foreach b,$(marked-blocks),$(b)=$(call marks,$(b))))\
+  $(if $(points),--control $(points)) $(addprefix --roles ,$(roles)) $(addprefix --grid-tie ,$(grid-tie)) $(if $(marked-blocks),--marks $(foreach b,$(marked-blocks),$(b)=$(call marks,$(b))))\
   --output work/control.sqlite --extracts work)
 
 # Blocks that are not tied have no place on the site's map and are delivered apart, unless there is but one block.

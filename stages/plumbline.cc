@@ -105,9 +105,9 @@ int New(const Arguments& arguments) {
   CLI::App app("Make a site's folder from field data and a control list.", "plumbline new");
   app.add_option("SITE", request.site, "folder to make");
   app.add_option("--crs", request.crs, "projected coordinate system of the control, e.g. EPSG:25832");
-  app.add_option("--control", request.control, "control and check points (CSV)");
+  app.add_option("--control", request.control, "control and check points, or observations (.csv .txt .xml .gkf .dat)");
   app.add_option("--control-order", request.control_order, "order of a control list without a header")
-      ->check(CLI::IsMember({"pnezd", "penzd"}));
+      ->check(CLI::IsMember({"pnezd", "penzd", "navvis"}));
   app.add_option("--features", request.features, "check features with independent coordinates (CSV)");
   app.add_option("--block", blocks, "field data of a block: a log, a bag, or a folder with its marks.csv")
       ->type_name("NAME=FILE|FOLDER");

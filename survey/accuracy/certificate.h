@@ -117,7 +117,9 @@ struct Certificate {
   std::optional<double> class_m;  // RMSE_H asked for
   bool tied = false;              // at least one block is; otherwise this is a map report
   Statement statement;
-  std::vector<ControlPoint> points;  // the control list
+  std::vector<ControlPoint> points;                     // the control list
+  std::optional<AdjustmentSummary> control_adjustment;  // of the observations behind it
+  std::vector<std::string> control_remarks;             // how its coordinates came into the site's system
   std::vector<BlockCertificate> blocks;
   std::vector<FitResidual> fit;
   std::vector<TestedCheck> checks;

@@ -49,6 +49,8 @@ class Certifier {
     certificate_.frame = input_.network.frame;
     certificate_.class_m = input_.class_m;
     certificate_.points = input_.network.points;
+    certificate_.control_adjustment = input_.network.adjustment;
+    certificate_.control_remarks = input_.network.remarks;
     CollectFit();
     for (const CertifiedBlock& block : input_.blocks) {
       if (block.solution.tied) CollectChecks(block);

@@ -19,6 +19,7 @@ struct AdjustmentSummary {
   int degrees_of_freedom = 0;
   double sigma_zero_a_priori = 1.0;
   double sigma_zero = 0.0;  // a posteriori, in the same unit; 0 without redundancy
+  bool degrees = false;     // angles are degrees in the network's file, else gon
   bool scaled = false;      // covariances are scaled by sigma zero a posteriori
   double confidence = 0.95;
   double chi_square = 0.0;  // of the weighted squares, and its limits at that confidence
@@ -42,10 +43,10 @@ struct AdjustedObservation {
   double adjusted = 0.0;
   double residual = 0.0;  // adjusted minus observed
   double sigma_adjusted = 0.0;
-  double w = 0.0;           // 0 where not controlled
-  double redundancy = 0.0;  // 0 .. 1
+  double w = 0.0;                                 // 0 where not controlled
+  double redundancy = 0.0;                        // 0 .. 1
   std::optional<double> minimal_detectable_bias;  // nothing where not controlled
-  int suspected = 0;  // as the n-th outlier; 0: not
+  int suspected = 0;                              // as the n-th outlier; 0: not
 };
 
 }  // namespace survey

@@ -52,6 +52,25 @@ ControlNetwork ExtractOfBlock(const ControlNetwork& network, const std::vector<s
   return extract;
 }
 
+void AddPoints(const std::vector<ControlPoint>& points, ControlNetwork* network) {
+  if (points.empty()) return;
+  std::vector<std::string> names;
+  for (const ControlPoint& point : network->points) names.push_back(point.name);
+  network->points.insert(network->points.end(), points.begin(), points.end());
+  std::sort(network->points.begin(), network->points.end(),
+            [](const ControlPoint& a, const ControlPoint& b) { return a.name < b.name; });
+  const auto place_of = [&](int before) {
+    const auto found =
+        std::lower_bound(network->points.begin(), network->points.end(), names[static_cast<std::size_t>(before)],
+                         [](const ControlPoint& point, const std::string& name) { return point.name < name; });
+    return static_cast<int>(found - network->points.begin());
+  };
+  for (PointCorrelation& pair : network->correlations) {
+    pair.a = place_of(pair.a);
+    pair.b = place_of(pair.b);
+  }
+}
+
 std::vector<std::pair<std::string, std::string>> ChecksOnControl(const ControlNetwork& network, double distance_m) {
   std::vector<std::pair<std::string, std::string>> pairs;
   for (const ControlPoint& check : network.points) {

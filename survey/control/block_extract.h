@@ -19,6 +19,9 @@ const ControlPoint* FindPoint(const ControlNetwork& network, const std::string& 
 // covariances between them and nothing else.
 ControlNetwork ExtractOfBlock(const ControlNetwork& network, const std::vector<std::string>& marked);
 
+// Adds points whose names are new, keeping the order and the correlations.
+void AddPoints(const std::vector<ControlPoint>& points, ControlNetwork* network);
+
 // Names of a check point and the control point that is the same place (nearer than `distance_m`): no check at all.
 std::vector<std::pair<std::string, std::string>> ChecksOnControl(const ControlNetwork& network, double distance_m);
 

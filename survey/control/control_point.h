@@ -57,11 +57,11 @@ struct SiteFrame {
 
 struct ControlNetwork {
   SiteFrame frame;
-  std::vector<ControlPoint> points;  // in order of their names
-  std::vector<PointCorrelation> correlations;      // in order of a, b; pairs that are not here are independent
-  std::optional<AdjustmentSummary> adjustment;     // of the observations behind the points
-  std::vector<AdjustedObservation> observations;   // that were adjusted here
-  std::vector<std::string> remarks;  // sentences on how the coordinates came into the site's system
+  std::vector<ControlPoint> points;               // in order of their names
+  std::vector<PointCorrelation> correlations;     // in order of a, b; pairs that are not here are independent
+  std::optional<AdjustmentSummary> adjustment;    // of the observations behind the points
+  std::vector<AdjustedObservation> observations;  // that were adjusted here
+  std::vector<std::string> remarks;               // sentences on how the coordinates came into the site's system
 };
 
 }  // namespace survey

@@ -65,13 +65,14 @@ SiteTie FitSiteTie(const std::vector<TiePoint>& points, bool with_scale) {
   }
   tie.rotation = std::atan2(sums.cross, sums.dot);
   tie.fitted_scale = fit / sums.grid_squares;
+  tie.num_parameters = with_scale ? 4 : 3;
   tie.scale = with_scale ? tie.fitted_scale : 1.0;
   double squares = 0.0;
   for (const TiePoint& point : points) {
     tie.residuals.push_back(tie.Apply(point.in_grid) - point.in_projected);
     squares += tie.residuals.back().squaredNorm();
   }
-  tie.degrees_of_freedom = 2 * static_cast<int>(points.size()) - (with_scale ? 4 : 3);
+  tie.degrees_of_freedom = 2 * static_cast<int>(points.size()) - tie.num_parameters;
   if (tie.degrees_of_freedom > 0) tie.sigma_zero = std::sqrt(squares / tie.degrees_of_freedom);
   tie.usable = true;
   return tie;

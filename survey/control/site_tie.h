@@ -23,8 +23,9 @@ struct SiteTie {
   Eigen::Vector2d grid_origin = Eigen::Vector2d::Zero();
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   double rotation = 0.0;
-  double scale = 1.0;           // applied: 1 with 3 parameters
-  double fitted_scale = 1.0;    // of the 4-parameter fit, for information with 3 parameters
+  int num_parameters = 4;
+  double scale = 1.0;                      // applied: 1 with 3 parameters
+  double fitted_scale = 1.0;               // of the 4-parameter fit, for information with 3 parameters
   std::vector<Eigen::Vector2d> residuals;  // transformed minus given, m, in the order of the points
   double sigma_zero = 0.0;                 // of one coordinate, m; 0 without redundancy
   int degrees_of_freedom = 0;
@@ -33,8 +34,8 @@ struct SiteTie {
   Eigen::Matrix2d Apply(const Eigen::Matrix2d& covariance_in_grid) const;
 };
 
-// Not usable with fewer than two points, with coincident points, or when the axes of one system are exchanged (the mirror
-// image fits, the points do not).
+// Not usable with fewer than two points, with coincident points, or when the axes of one system are exchanged (the
+// mirror image fits, the points do not).
 SiteTie FitSiteTie(const std::vector<TiePoint>& points, bool with_scale);
 
 }  // namespace survey

@@ -27,7 +27,7 @@ NetworkState StartOf(const Network& network) {
   std::vector<bool> known(state.orientations.size(), false);
   for (const Observation& observation : network.observations) {
     if (observation.kind != ObservationKind::kDirection || known[static_cast<std::size_t>(observation.set)]) continue;
-    const ObservationEquation equation = Evaluate(observation, state.positions, 0.0, network.geocentric);
+    const ObservationEquation equation = Evaluate(observation, state.positions, 0.0, network.geometry);
     state.orientations[static_cast<std::size_t>(observation.set)] = equation.computed - observation.value;
     known[static_cast<std::size_t>(observation.set)] = true;
   }

@@ -23,15 +23,16 @@ struct AdjustmentOptions {
   TestLevel test;  // of single observations
 };
 
-// Standard deviations are a priori ones, that is for sigma zero = 1; NetworkAdjustment::Scale() makes them a posteriori.
+// Standard deviations are a priori ones, that is for sigma zero = 1; NetworkAdjustment::Scale() makes them a
+// posteriori.
 struct ObservationResult {
-  double adjusted = 0.0;        // m or rad, angles in [0, 2 pi)
-  double residual = 0.0;        // adjusted minus observed
+  double adjusted = 0.0;  // m or rad, angles in [0, 2 pi)
+  double residual = 0.0;  // adjusted minus observed
   double sigma_adjusted = 0.0;
   double sigma_residual = 0.0;
-  double w = 0.0;               // test statistic, normal a priori; 0 when not controlled
-  double redundancy = 0.0;      // 0 not controlled .. 1
-  double estimated_error = 0.0;  // of the observation if it alone is wrong
+  double w = 0.0;                        // test statistic, normal a priori; 0 when not controlled
+  double redundancy = 0.0;               // 0 not controlled .. 1
+  double estimated_error = 0.0;          // of the observation if it alone is wrong
   double minimal_detectable_bias = 0.0;  // infinite when not controlled
 
   // Residual over its standard deviation; 0 when not controlled.
@@ -46,7 +47,7 @@ struct PointResult {
 struct ErrorEllipse {
   double semi_major = 0.0;  // m
   double semi_minor = 0.0;
-  double azimuth = 0.0;     // of the major axis, rad clockwise from y (north), [0, pi)
+  double azimuth = 0.0;  // of the major axis, rad clockwise from y (north), [0, pi)
 };
 
 // For covariance in the order x (east), y (north); one sigma.
@@ -60,7 +61,7 @@ struct NetworkAdjustment {
   int num_observations = 0;
   int defect = 0;
   int degrees_of_freedom = 0;
-  double chi_square = 0.0;  // sum of the weighted squares, for weights 1 / sigma2
+  double chi_square = 0.0;                                // sum of the weighted squares, for weights 1 / sigma2
   double chi_square_lower = 0.0, chi_square_upper = 0.0;  // two-sided, at the network's confidence
   double largest_w = 0.0;
   int num_untested = 0;  // observations that nothing controls

@@ -74,14 +74,15 @@ std::optional<double> Rise(const Network& network, const Observation& o) {
   const NetworkPoint& from = network.points[static_cast<std::size_t>(o.from)];
   const NetworkPoint& to = network.points[static_cast<std::size_t>(o.to)];
   if (!from.plane_known || !to.plane_known) return std::nullopt;
-  const double distance = (to.position - from.position).head<2>().norm();
+  const double distance = (to.position - from.position).head<2>().norm() / network.geometry.combined_factor;
   return distance / std::tan(o.value) + o.instrument_height - o.target_height;
 }
 
 void ComputeHeights(Network* network) {
   for (const Observation& o : network->observations) {
     NetworkPoint& point = network->points[static_cast<std::size_t>(o.from)];
-    const bool height = o.kind == ObservationKind::kHeight || (o.kind == ObservationKind::kCoordinate && o.component == 2);
+    const bool height =
+        o.kind == ObservationKind::kHeight || (o.kind == ObservationKind::kCoordinate && o.component == 2);
     if (!height || point.height_known) continue;
     point.position.z() = o.value;
     point.height_known = true;
@@ -123,7 +124,7 @@ bool NoHeightKnown(const Network& network) {
 }  // namespace
 
 std::vector<int> ComputeApproximations(Network* network) {
-  if (!network->geocentric) {
+  if (!network->geometry.geocentric) {
     TakeObservedCoordinates(network);
     ComputeHeights(network);
     if (NoHeightKnown(*network)) {  // a levelling network without any height begins at zero

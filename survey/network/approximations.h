@@ -11,8 +11,8 @@
 
 namespace survey {
 
-// Fills in positions; returns the points in use that the observations do not lead to, in order. Geocentric networks must
-// have all coordinates.
+// Fills in positions; returns the points in use that the observations do not lead to, in order. Geocentric networks
+// must have all coordinates.
 std::vector<int> ComputeApproximations(Network* network);
 
 }  // namespace survey

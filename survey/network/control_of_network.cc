@@ -5,14 +5,26 @@
 #include <cmath>
 #include <set>
 
+#include "survey/network/approximations.h"
+#include "survey/network/network_checks.h"
+
 namespace survey {
 namespace {
+
+// Each suspect costs an adjustment; in a large network some observations always exceed the limit by chance.
+std::size_t SuspectedAtMost(const Network& network) { return network.observations.size() > 5000 ? 3 : 20; }
+
+constexpr double kSamePlaceM = 1e-4;
+constexpr double kSmallestSigma = 1e-8;  // m and rad
+constexpr double kLargestSigmaM = 100.0;
+constexpr double kLargestSigmaRad = 0.5;
 
 ControlPoint PointOf(const NetworkPoint& point, const PointResult& result, double scale, double fixed_sigma_m) {
   const double variance = scale * scale;
   ControlPoint control{.name = point.name, .position_in_site = result.position.head<2>()};
-  control.covariance = point.IsUnknown(0) ? Eigen::Matrix2d(variance * result.covariance.topLeftCorner<2, 2>())
-                                          : Eigen::Matrix2d(Eigen::Matrix2d::Identity() * fixed_sigma_m * fixed_sigma_m);
+  control.covariance = point.IsUnknown(0)
+                           ? Eigen::Matrix2d(variance * result.covariance.topLeftCorner<2, 2>())
+                           : Eigen::Matrix2d(Eigen::Matrix2d::Identity() * fixed_sigma_m * fixed_sigma_m);
   if (point.height == CoordinateUse::kUnused) {
     if (point.height_known) control.elevation_m = point.position.z();
     return control;
@@ -102,7 +114,78 @@ std::vector<PointCorrelation> CorrelationsOf(const ControlNetwork& control, cons
   return correlations;
 }
 
+std::string InWords(const Network& network, const Observation& o) {
+  const auto name_of = [&](int point) { return network.points[static_cast<std::size_t>(point)].name; };
+  return std::string(Name(o.kind)) + " from " + name_of(o.from) + (o.to < 0 ? "" : " to " + name_of(o.to));
+}
+
+// What no adjustment should be fed with; empty when all is well.
+std::string AbsurdObservation(const Network& network) {
+  for (const Observation& o : network.observations) {
+    const double largest = IsAngular(o.kind) ? kLargestSigmaRad : kLargestSigmaM;
+    if (!(o.sigma >= kSmallestSigma && o.sigma <= largest)) {
+      return "the " + InWords(network, o) + " has the standard deviation " + std::to_string(o.sigma) +
+             (IsAngular(o.kind) ? " rad" : " m") + ": is its unit right?";
+    }
+    const bool needs_room = IsAngular(o.kind) || o.kind == ObservationKind::kDistance;
+    for (const int target : {o.to, o.fore}) {
+      if (!needs_room || target < 0) continue;
+      const Eigen::Vector3d apart = network.points[static_cast<std::size_t>(target)].position -
+                                    network.points[static_cast<std::size_t>(o.from)].position;
+      if ((network.geometry.geocentric ? apart.norm() : apart.head<2>().norm()) < kSamePlaceM) {
+        return "the " + InWords(network, o) + " joins two points at the same place";
+      }
+    }
+  }
+  return "";
+}
+
+Network WithoutPoints(const Network& network, const std::vector<int>& points) {
+  std::vector<bool> out(network.points.size(), false);
+  for (const int i : points) out[static_cast<std::size_t>(i)] = true;
+  return Without(network, out, std::vector<bool>(network.observations.size(), false));
+}
+
+// Finds approximate coordinates; what cannot be determined is a message, or is left out with a warning.
+std::string Prepare(Network* network, bool leave_out, std::vector<std::string>* warnings) {
+  while (true) {
+    std::vector<int> undetermined;
+    std::string message;
+    for (const NetworkDefect& defect : CheckNetwork(*network)) {
+      undetermined.insert(undetermined.end(), defect.points.begin(), defect.points.end());
+      message += (message.empty() ? "" : "; ") + defect.message;
+    }
+    if (undetermined.empty()) {
+      undetermined = ComputeApproximations(network);
+      if (undetermined.empty()) return "";
+      message = "no way is found from the known points to " + ListedNames(*network, undetermined) +
+                ": give approximate coordinates, or observations that determine them";
+    }
+    if (!leave_out || undetermined.size() == network->points.size()) return message;
+    warnings->push_back(message + "; left out");
+    *network = WithoutPoints(*network, undetermined);
+  }
+}
+
 }  // namespace
+
+AdjustedControl AdjustControl(Network network, bool leave_out_undetermined, const ControlOfNetworkOptions& options) {
+  AdjustedControl result;
+  if (network.observations.empty()) {
+    result.message = "the network holds no observations that can be used";
+    return result;
+  }
+  result.message = Prepare(&network, leave_out_undetermined, &result.warnings);
+  if (result.message.empty()) result.message = AbsurdObservation(network);
+  if (!result.message.empty()) return result;
+  const NetworkAdjustment adjustment = AdjustNetwork(network);
+  result.message = adjustment.message;
+  if (!adjustment.usable) return result;
+  const std::vector<SuspectedOutlier> outliers = FindOutliers(network, adjustment, {}, SuspectedAtMost(network));
+  result.control = ControlOf(network, adjustment, outliers, options);
+  result.usable = true;
+  return result;
+}
 
 ControlNetwork ControlOf(const Network& network, const NetworkAdjustment& adjustment,
                          const std::vector<SuspectedOutlier>& outliers, const ControlOfNetworkOptions& options) {
@@ -120,7 +203,8 @@ ControlNetwork ControlOf(const Network& network, const NetworkAdjustment& adjust
                                      options.fixed_sigma_m));
   }
   control.correlations = CorrelationsOf(control, place, adjustment, options);
-  control.adjustment = SummaryOf(network, adjustment, outliers.size(), CriticalW(0.001));
+  control.adjustment = SummaryOf(network, adjustment, outliers.size(), CriticalW(TestLevel{}.significance));
+  control.adjustment->degrees = options.degrees;
   control.observations = ObservationsOf(network, adjustment, outliers);
   return control;
 }

@@ -8,11 +8,10 @@
 namespace survey {
 namespace {
 
-constexpr double kUnseen = 1e-12;  // squared effect of a motion, relative to the one that the observations see best
+constexpr double kUnseen = 1e-12;   // squared effect of a motion on the observations, relative to their sensitivity
 constexpr double kNoMotion = 1e-8;  // squared size of a motion
-constexpr std::array<const char*, 7> kMotions = {"shift in x",      "shift in y",      "shift in height",
-                                                 "rotation",        "tilt about x",    "tilt about y",
-                                                 "scale"};
+constexpr std::array<const char*, 7> kMotions = {
+    "shift in x", "shift in y", "shift in height", "rotation", "tilt about x", "tilt about y", "scale"};
 
 struct Extent {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -135,11 +134,10 @@ Datum FindDatum(const Network& network, const NetworkState& state, const Unknown
         network.points[static_cast<std::size_t>(owner.point)].Use(owner.component) == CoordinateUse::kConstrained;
   }
   const Eigen::MatrixXd motions = Motions(network, state);
-  const Eigen::MatrixXd of_unknowns =
-      OfUnknowns(motions, unknowns, static_cast<Eigen::Index>(network.points.size()));
+  const Eigen::MatrixXd of_unknowns = OfUnknowns(motions, unknowns, static_cast<Eigen::Index>(network.points.size()));
   const Eigen::MatrixXd seen = SeenByObservations(system, of_unknowns) + SeenByFixed(network, motions);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(seen);
-  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1e-30);
+  const double largest = std::max(eigen.eigenvalues().maxCoeff(), 1.0);
   Eigen::Index open = 0;
   while (open < 7 && eigen.eigenvalues()[open] < kUnseen * largest) ++open;
   Eigen::MatrixXd combinations = eigen.eigenvectors().leftCols(open);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What the observations leave open: shifts, rotations and the scale of the whole network. The columns of a datum basis
-// are small motions of all unknowns that change no observation and no fixed coordinate; the constrained coordinates must
-// settle them (inner constraints: of all solutions the one with the smallest shifts of the constrained coordinates).
+// are small motions of all unknowns that change no observation and no fixed coordinate; the constrained coordinates
+// must settle them (inner constraints: of all solutions the one with the smallest shifts of the constrained
+// coordinates).
 #pragma once
 
 #include <Eigen/Core>
@@ -14,9 +15,9 @@
 namespace survey {
 
 struct Datum {
-  Eigen::MatrixXd basis;                // unknowns x defect, columns in no particular scale
-  std::vector<bool> defines;            // by unknown: a constrained coordinate
-  std::vector<std::string> open;        // what is open, in words: "shift in x", "rotation", "scale"
+  Eigen::MatrixXd basis;                 // unknowns x defect, columns in no particular scale
+  std::vector<bool> defines;             // by unknown: a constrained coordinate
+  std::vector<std::string> open;         // what is open, in words: "shift in x", "rotation", "scale"
   std::vector<std::string> not_settled;  // of these, what the constrained coordinates do not settle either
 
   int defect() const { return static_cast<int>(basis.cols()); }

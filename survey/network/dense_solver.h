@@ -20,8 +20,8 @@ struct DenseSolution {
   Eigen::MatrixXd cofactors;
 };
 
-// `shift_so_far`: of the unknowns from their approximate values; the defining coordinates' total shift becomes smallest.
-// Not usable when the defining coordinates do not settle the null space.
+// `shift_so_far`: of the unknowns from their approximate values; the defining coordinates' total shift becomes
+// smallest. Not usable when the defining coordinates do not settle the null space.
 DenseSolution SolveDense(const LinearSystem& system, const std::vector<bool>& defines,
                          const Eigen::VectorXd& shift_so_far);
 

@@ -67,7 +67,7 @@ EquationGroup Linearise(const Network& network, const ObservationGroup& group, c
     const Observation& observation = network.observations[group.first + k];
     const bool in_set = observation.kind == ObservationKind::kDirection;
     const double orientation = in_set ? state.orientations[static_cast<std::size_t>(observation.set)] : 0.0;
-    const ObservationEquation equation = Evaluate(observation, state.positions, orientation, network.geocentric);
+    const ObservationEquation equation = Evaluate(observation, state.positions, orientation, network.geometry);
     const auto row = static_cast<Eigen::Index>(k);
     equations.misclosure[row] = Misclosure(observation, equation.computed);
     for (std::size_t p = 0; p < static_cast<std::size_t>(equation.num_points); ++p) {

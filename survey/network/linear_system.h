@@ -58,9 +58,9 @@ struct ObservationGroup {
 std::vector<ObservationGroup> GroupsOf(const Network& network);
 
 struct EquationGroup {
-  std::vector<int> unknowns;    // that take part, ascending
-  Eigen::MatrixXd jacobian;     // a column for each of them
-  Eigen::VectorXd misclosure;   // one for each observation
+  std::vector<int> unknowns;   // that take part, ascending
+  Eigen::MatrixXd jacobian;    // a column for each of them
+  Eigen::VectorXd misclosure;  // one for each observation
 };
 
 EquationGroup Linearise(const Network& network, const ObservationGroup& group, const NetworkState& state,

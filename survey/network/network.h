@@ -44,9 +44,11 @@ enum class ObservationKind {
 };
 
 constexpr std::string_view Name(ObservationKind kind) {
-  constexpr std::string_view kNames[] = {"direction",         "angle",  "azimuth",    "distance",  "slope distance",
-                                         "zenith angle",      "height difference",    "height",    "coordinate",
-                                         "coordinate difference"};
+  constexpr std::string_view kNames[] = {"direction",         "angle",
+                                         "azimuth",           "distance",
+                                         "slope distance",    "zenith angle",
+                                         "height difference", "height",
+                                         "coordinate",        "coordinate difference"};
   return kNames[static_cast<int>(kind)];
 }
 
@@ -74,13 +76,19 @@ struct CorrelatedObservations {
   Eigen::MatrixXd covariance;
 };
 
+struct NetworkGeometry {
+  bool geocentric = false;
+  // Of plane networks in a projected system whose distances were observed on the ground: grid = factor * ground.
+  double combined_factor = 1.0;
+};
+
 struct Network {
   std::string description;
   std::vector<NetworkPoint> points;
   std::vector<Observation> observations;
   std::vector<CorrelatedObservations> correlated;  // in order of `first`, not overlapping
   int num_sets = 0;                                // of directions
-  bool geocentric = false;
+  NetworkGeometry geometry;
   double sigma_zero = 1.0;             // a priori; the unit in which a posteriori values are also reported
   bool use_sigma_a_posteriori = true;  // scale the covariances by it
   double confidence = 0.95;            // of tests and regions

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 #include <numeric>
+#include <utility>
 
 namespace survey {
 namespace {
@@ -88,7 +89,7 @@ std::vector<Conditions> CountConditions(const Network& network) {
         set_begun[static_cast<std::size_t>(o.set)] = true;
       }
       if (NeedsPlane(o) && !free_direction) ++of_point.plane;
-      if (NeedsHeight(o) || network.geocentric) ++of_point.height;
+      if (NeedsHeight(o) || network.geometry.geocentric) ++of_point.height;
       of_point.last = std::string(Name(o.kind)) + " from " + network.points[static_cast<std::size_t>(o.from)].name +
                       (o.to < 0 ? "" : " to " + network.points[static_cast<std::size_t>(o.to)].name);
     }
@@ -133,14 +134,13 @@ std::vector<NetworkDefect> CheckNetwork(const Network& network) {
     defects.push_back({unobserved, "no observation leads to " + ListedNames(network, unobserved)});
   }
   for (const auto& [root, points] : members) {
-    const bool observed_absolutely = std::any_of(
-        network.observations.begin(), network.observations.end(), [&, &root = root](const Observation& o) {
+    const bool observed_absolutely =
+        std::any_of(network.observations.begin(), network.observations.end(), [&, &root = root](const Observation& o) {
           return (o.kind == ObservationKind::kCoordinate || o.kind == ObservationKind::kHeight) &&
                  components.Of(o.from) == root;
         });
     if (any_footing && !has_footing[root] && !observed_absolutely) {
-      defects.push_back({points, ListedNames(network, points) +
-                                     (points.size() == 1 ? " is" : " are") +
+      defects.push_back({points, ListedNames(network, points) + (points.size() == 1 ? " is" : " are") +
                                      " not connected with the fixed or constrained points"});
       continue;
     }
@@ -148,9 +148,10 @@ std::vector<NetworkDefect> CheckNetwork(const Network& network) {
       const NetworkPoint& point = network.points[static_cast<std::size_t>(i)];
       const Conditions& of_point = conditions[static_cast<std::size_t>(i)];
       if (point.IsUnknown(0) && of_point.plane < 2) {
-        defects.push_back({{i}, "point " + point.name + " is observed from one side only (" +
-                                    (of_point.plane == 0 ? "nothing fixes its position; " : "") + of_point.last +
-                                    "): its position is not determined"});
+        defects.push_back({{i},
+                           "point " + point.name + " is observed from one side only (" +
+                               (of_point.plane == 0 ? "nothing fixes its position; " : "") + of_point.last +
+                               "): its position is not determined"});
       } else if (point.IsUnknown(2) && of_point.height < 1) {
         defects.push_back({{i}, "point " + point.name + ": no observation determines its height"});
       }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// From approximate coordinates to the minimum of the weighted squares: Ceres (Levenberg-Marquardt), which also finds its
-// way from rough approximations. The residuals are those of LinearSystem with the opposite sign.
+// From approximate coordinates to the minimum of the weighted squares: Ceres (Levenberg-Marquardt), which also finds
+// its way from rough approximations. The residuals are those of LinearSystem with the opposite sign.
 #pragma once
 
 #include <string>

@@ -18,22 +18,25 @@ struct Sight {
   Eigen::Vector3d d;
   double horizontal = 0.0;  // length of d's horizontal part
 
-  Row AzimuthPartial() const {
-    return (d.y() * axes.row(0) - d.x() * axes.row(1)) / (horizontal * horizontal);
-  }
+  Row AzimuthPartial() const { return (d.y() * axes.row(0) - d.x() * axes.row(1)) / (horizontal * horizontal); }
   Row DistancePartial() const { return (d.x() * axes.row(0) + d.y() * axes.row(1)) / horizontal; }
   Row SlopePartial() const { return d.transpose() * axes / d.norm(); }
-  Row ZenithPartial() const {
-    return (d.z() * DistancePartial() - horizontal * axes.row(2)) / d.squaredNorm();
-  }
+  Row ZenithPartial() const { return (d.z() * DistancePartial() - horizontal * axes.row(2)) / d.squaredNorm(); }
 };
 
+// From coordinates to metres on the ground in the levelled frame.
+Eigen::Matrix3d AxesAt(const Eigen::Vector3d& position, const NetworkGeometry& geometry) {
+  if (geometry.geocentric) return LevelledAxes(position);
+  const double scale = 1.0 / geometry.combined_factor;
+  return Eigen::Vector3d(scale, scale, 1.0).asDiagonal();
+}
+
 Sight SightTo(const Observation& observation, int target, const std::vector<Eigen::Vector3d>& positions,
-              bool geocentric) {
+              const NetworkGeometry& geometry) {
   const Eigen::Vector3d& from = positions[static_cast<std::size_t>(observation.from)];
   const Eigen::Vector3d& to = positions[static_cast<std::size_t>(target)];
-  Sight sight{.axes = LevelledAxes(from, geocentric)};
-  const Eigen::Vector3d up_at_target = LevelledAxes(to, geocentric).row(2).transpose();
+  Sight sight{.axes = AxesAt(from, geometry)};
+  const Eigen::Vector3d up_at_target = AxesAt(to, geometry).row(2).transpose();
   sight.d = sight.axes * (to - from + observation.target_height * up_at_target);
   sight.d.z() -= observation.instrument_height;
   sight.horizontal = std::hypot(sight.d.x(), sight.d.y());
@@ -48,25 +51,23 @@ void SetBetween(const Observation& observation, const Row& partial_at_target, Ob
   equation->partials[1] = partial_at_target;
 }
 
-void EvaluateAngle(const Observation& observation, const std::vector<Eigen::Vector3d>& positions, bool geocentric,
-                   ObservationEquation* equation) {
-  const Sight back = SightTo(observation, observation.to, positions, geocentric);
-  const Sight fore = SightTo(observation, observation.fore, positions, geocentric);
+void EvaluateAngle(const Observation& observation, const std::vector<Eigen::Vector3d>& positions,
+                   const NetworkGeometry& geometry, ObservationEquation* equation) {
+  const Sight back = SightTo(observation, observation.to, positions, geometry);
+  const Sight fore = SightTo(observation, observation.fore, positions, geometry);
   equation->computed = std::atan2(fore.d.x(), fore.d.y()) - std::atan2(back.d.x(), back.d.y());
   equation->num_points = 3;
   equation->points = {observation.from, observation.to, observation.fore};
   equation->partials = {back.AzimuthPartial() - fore.AzimuthPartial(), -back.AzimuthPartial(), fore.AzimuthPartial()};
 }
 
-void EvaluateHeights(const Observation& observation, const std::vector<Eigen::Vector3d>& positions, bool geocentric,
-                     ObservationEquation* equation) {
+void EvaluateHeights(const Observation& observation, const std::vector<Eigen::Vector3d>& positions,
+                     const NetworkGeometry& geometry, ObservationEquation* equation) {
   const auto height = [&](int point) {
     const Eigen::Vector3d& p = positions[static_cast<std::size_t>(point)];
-    return geocentric ? EllipsoidalHeight(p) : p.z();
+    return geometry.geocentric ? EllipsoidalHeight(p) : p.z();
   };
-  const auto up = [&](int point) -> Row {
-    return LevelledAxes(positions[static_cast<std::size_t>(point)], geocentric).row(2);
-  };
+  const auto up = [&](int point) -> Row { return AxesAt(positions[static_cast<std::size_t>(point)], geometry).row(2); };
   equation->num_points = 1;
   equation->points = {observation.from, observation.to, -1};
   equation->computed = height(observation.from);
@@ -79,8 +80,10 @@ void EvaluateHeights(const Observation& observation, const std::vector<Eigen::Ve
 }
 
 void EvaluateComponent(const Observation& observation, const std::vector<Eigen::Vector3d>& positions,
-                       ObservationEquation* equation) {
-  const Row unit = Row::Unit(observation.component);
+                       const NetworkGeometry& geometry, ObservationEquation* equation) {
+  const bool on_ground = observation.kind == ObservationKind::kDifference && observation.component < 2;
+  const double scale = on_ground ? 1.0 / geometry.combined_factor : 1.0;
+  const Row unit = scale * Row::Unit(observation.component);
   const double from = positions[static_cast<std::size_t>(observation.from)][observation.component];
   if (observation.kind == ObservationKind::kCoordinate) {
     equation->num_points = 1;
@@ -90,12 +93,12 @@ void EvaluateComponent(const Observation& observation, const std::vector<Eigen::
     return;
   }
   SetBetween(observation, unit, equation);
-  equation->computed = positions[static_cast<std::size_t>(observation.to)][observation.component] - from;
+  equation->computed = scale * (positions[static_cast<std::size_t>(observation.to)][observation.component] - from);
 }
 
 void EvaluateSight(const Observation& observation, const std::vector<Eigen::Vector3d>& positions, double orientation,
-                   bool geocentric, ObservationEquation* equation) {
-  const Sight sight = SightTo(observation, observation.to, positions, geocentric);
+                   const NetworkGeometry& geometry, ObservationEquation* equation) {
+  const Sight sight = SightTo(observation, observation.to, positions, geometry);
   switch (observation.kind) {
     case ObservationKind::kDistance:
       equation->computed = sight.horizontal;
@@ -118,8 +121,7 @@ void EvaluateSight(const Observation& observation, const std::vector<Eigen::Vect
 
 }  // namespace
 
-Eigen::Matrix3d LevelledAxes(const Eigen::Vector3d& position, bool geocentric) {
-  if (!geocentric) return Eigen::Matrix3d::Identity();
+Eigen::Matrix3d LevelledAxes(const Eigen::Vector3d& position) {
   double latitude = 0.0, longitude = 0.0, height = 0.0;
   std::vector<double> from_local(9);
   Earth().Reverse(position.x(), position.y(), position.z(), latitude, longitude, height, from_local);
@@ -144,22 +146,22 @@ double Misclosure(const Observation& observation, double computed) {
 }
 
 ObservationEquation Evaluate(const Observation& observation, const std::vector<Eigen::Vector3d>& positions,
-                             double orientation, bool geocentric) {
+                             double orientation, const NetworkGeometry& geometry) {
   ObservationEquation equation;
   switch (observation.kind) {
     case ObservationKind::kAngle:
-      EvaluateAngle(observation, positions, geocentric, &equation);
+      EvaluateAngle(observation, positions, geometry, &equation);
       break;
     case ObservationKind::kHeightDifference:
     case ObservationKind::kHeight:
-      EvaluateHeights(observation, positions, geocentric, &equation);
+      EvaluateHeights(observation, positions, geometry, &equation);
       break;
     case ObservationKind::kCoordinate:
     case ObservationKind::kDifference:
-      EvaluateComponent(observation, positions, &equation);
+      EvaluateComponent(observation, positions, geometry, &equation);
       break;
     default:
-      EvaluateSight(observation, positions, orientation, geocentric, &equation);
+      EvaluateSight(observation, positions, orientation, geometry, &equation);
   }
   return equation;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Data snooping [Baarda68]: the observation with the largest |w| beyond the critical value is suspected, the rest adjusted
-// without it, and so on, one at a time, since one blunder shows in many residuals.
+// Data snooping [Baarda68]: the observation with the largest |w| beyond the critical value is suspected, the rest
+// adjusted without it, and so on, one at a time, since one blunder shows in many residuals.
 #pragma once
 
 #include <cstddef>

@@ -188,8 +188,8 @@ std::optional<Vector2d> PlanePiece::ByIntersection(int point) const {
   return best;
 }
 
-// Readings r_i to known (E_i, N_i) from (E, N) with the orientation o: (E_i - E) cos(r_i + o) = (N_i - N) sin(r_i + o) is
-// linear and homogeneous in a = cos o, b = sin o, p = N b - E a, q = E b + N a.
+// Readings r_i to known (E_i, N_i) from (E, N) with the orientation o: (E_i - E) cos(r_i + o) = (N_i - N) sin(r_i + o)
+// is linear and homogeneous in a = cos o, b = sin o, p = N b - E a, q = E b + N a.
 std::optional<Vector2d> PlanePiece::ByResection(int point) const {
   for (const int index : sights_->bundles_of[static_cast<std::size_t>(point)]) {
     std::vector<const Ray*> rays;
@@ -272,8 +272,8 @@ std::optional<Vector2d> PlanePiece::ByLengths(int point) const {
       const Vector2d base = At(lengths[j].other) - At(lengths[i].other);
       const double b = base.norm();
       if (b == 0.0) continue;
-      const double along = (lengths[i].distance * lengths[i].distance - lengths[j].distance * lengths[j].distance + b * b) /
-                           (2.0 * b);
+      const double along =
+          (lengths[i].distance * lengths[i].distance - lengths[j].distance * lengths[j].distance + b * b) / (2.0 * b);
       const double square = lengths[i].distance * lengths[i].distance - along * along;
       if (square <= 0.0) continue;
       const double across = std::sqrt(square), cut = across * b / (lengths[i].distance * lengths[j].distance);

@@ -45,6 +45,7 @@ std::optional<double> Sights::Distance(int a, int b) const {
 
 Sights SightsOf(const Network& network) {
   Sights sights;
+  const double factor = network.geometry.combined_factor;
   const std::size_t count = network.points.size();
   sights.bundles_of.resize(count);
   sights.incoming.resize(count);
@@ -68,15 +69,15 @@ Sights SightsOf(const Network& network) {
         AddBundle({.station = o.from, .oriented = true, .rays = {{o.to, o.value}}}, &sights);
         break;
       case ObservationKind::kDistance:
-        AddLength(o.from, o.to, o.value, &sights);
+        AddLength(o.from, o.to, factor * o.value, &sights);
         break;
       case ObservationKind::kSlopeDistance:
-        AddLength(o.from, o.to, Horizontal(network, o, zenith_angles), &sights);
+        AddLength(o.from, o.to, factor * Horizontal(network, o, zenith_angles), &sights);
         break;
       case ObservationKind::kDifference:
         if (o.component == 2) break;
-        sights.shifts[static_cast<std::size_t>(o.from)].push_back({o.to, o.component, o.value});
-        sights.shifts[static_cast<std::size_t>(o.to)].push_back({o.from, o.component, -o.value});
+        sights.shifts[static_cast<std::size_t>(o.from)].push_back({o.to, o.component, factor * o.value});
+        sights.shifts[static_cast<std::size_t>(o.to)].push_back({o.from, o.component, -factor * o.value});
         break;
       default:
         break;

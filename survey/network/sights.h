@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A plane network's observations arranged for the computation of approximate coordinates: rays of one station that share
-// an orientation, and horizontal distances.
+// A plane network's observations arranged for the computation of approximate coordinates: rays of one station that
+// share an orientation, and horizontal distances.
 #pragma once
 
 #include <optional>
@@ -39,8 +39,8 @@ struct Sights {
   };
   std::vector<Bundle> bundles;
   // By point:
-  std::vector<std::vector<int>> bundles_of;       // whose station it is
-  std::vector<std::vector<Incoming>> incoming;    // rays to it
+  std::vector<std::vector<int>> bundles_of;     // whose station it is
+  std::vector<std::vector<Incoming>> incoming;  // rays to it
   std::vector<std::vector<Length>> lengths;
   std::vector<std::vector<Shift>> shifts;
 

@@ -16,7 +16,8 @@ class SparseNormal {
   // Unknowns in `held` keep their values: they are left out and have zero cofactors.
   SparseNormal(const Eigen::SparseMatrix<double>& normal, const std::vector<int>& held);
 
-  // Of a singular matrix: an unknown vector that the equations leave undetermined (largest element 1); empty when regular.
+  // Of a singular matrix: an unknown vector that the equations leave undetermined (largest element 1); empty when
+  // regular.
   const Eigen::VectorXd& undetermined() const { return undetermined_; }
 
   Eigen::VectorXd Solve(const Eigen::VectorXd& side) const;
@@ -30,9 +31,9 @@ class SparseNormal {
   void FindUndetermined();
 
   int size_ = 0;
-  std::vector<int> reduced_;     // by unknown: its place in the factor's order, or -1 when held
-  std::vector<int> unknown_;     // and back
-  Eigen::VectorXd scale_;        // in the factor's order: equilibrated = scale * normal * scale
+  std::vector<int> reduced_;           // by unknown: its place in the factor's order, or -1 when held
+  std::vector<int> unknown_;           // and back
+  Eigen::VectorXd scale_;              // in the factor's order: equilibrated = scale * normal * scale
   Eigen::SparseMatrix<double> lower_;  // strict lower triangle of the unit factor, rows ascending in each column
   Eigen::VectorXd pivots_;
   Eigen::SparseMatrix<double> inverse_;  // strict lower triangle, same pattern

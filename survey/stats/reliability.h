@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Reliability of least squares [Baarda68]: what a test of one observation can find. An observation i of weight matrix P
-// with the residuals' cofactors Qvv is tested by w = (Pv)_i / sqrt((P Qvv P)_ii), normal when nothing is wrong; a pair of
-// coordinates by T = v' Qvv^-1 v, chi-square with 2 degrees of freedom. A bias that shifts the test's distribution by the
-// non-centrality lambda0 is found with the power asked for.
+// with the residuals' cofactors Qvv is tested by w = (Pv)_i / sqrt((P Qvv P)_ii), normal when nothing is wrong; a pair
+// of coordinates by T = v' Qvv^-1 v, chi-square with 2 degrees of freedom. A bias that shifts the test's distribution
+// by the non-centrality lambda0 is found with the power asked for.
 #pragma once
 
 #include <Eigen/Core>

@@ -157,9 +157,31 @@ TEST(Artefacts, ControlSurvives) {
     EXPECT_EQ(read.points[i].position_in_site, written.points[i].position_in_site);
     EXPECT_EQ(read.points[i].covariance, written.points[i].covariance);
     EXPECT_EQ(read.points[i].elevation_m, written.points[i].elevation_m);
+    EXPECT_EQ(read.points[i].elevation_sigma_m, written.points[i].elevation_sigma_m);
     EXPECT_EQ(read.points[i].description, written.points[i].description);
     EXPECT_EQ(read.points[i].reason, written.points[i].reason);
   }
+  ASSERT_EQ(read.correlations.size(), written.correlations.size());
+  for (std::size_t i = 0; i < read.correlations.size(); ++i) {
+    EXPECT_EQ(read.correlations[i].a, written.correlations[i].a);
+    EXPECT_EQ(read.correlations[i].b, written.correlations[i].b);
+    EXPECT_EQ(read.correlations[i].covariance, written.correlations[i].covariance);
+  }
+  ASSERT_TRUE(read.adjustment.has_value());
+  EXPECT_EQ(read.adjustment->software, written.adjustment->software);
+  EXPECT_EQ(read.adjustment->sigma_zero, written.adjustment->sigma_zero);
+  EXPECT_EQ(read.adjustment->scaled, written.adjustment->scaled);
+  EXPECT_EQ(read.adjustment->chi_square_upper, written.adjustment->chi_square_upper);
+  EXPECT_EQ(read.adjustment->num_suspected, written.adjustment->num_suspected);
+  ASSERT_EQ(read.observations.size(), written.observations.size());
+  for (std::size_t i = 0; i < read.observations.size(); ++i) {
+    EXPECT_EQ(read.observations[i].kind, written.observations[i].kind);
+    EXPECT_EQ(read.observations[i].fore, written.observations[i].fore);
+    EXPECT_EQ(read.observations[i].residual, written.observations[i].residual);
+    EXPECT_EQ(read.observations[i].minimal_detectable_bias, written.observations[i].minimal_detectable_bias);
+    EXPECT_EQ(read.observations[i].suspected, written.observations[i].suspected);
+  }
+  EXPECT_EQ(read.remarks, written.remarks);
 }
 
 TEST(Artefacts, SolutionSurvives) {

@@ -23,6 +23,9 @@ survey::Certificate Example() {
   input.network.points = {{.name = "C1", .covariance = covariance, .elevation_m = 3.25, .description = "nail"},
                           {.name = "K1", .role = survey::PointRole::kCheck, .position_in_site = {5, 5}},
                           {.name = "X1", .role = survey::PointRole::kExcluded, .reason = "disturbed"}};
+  input.network.points[0].elevation_sigma_m = 0.004;
+  input.network.adjustment = {.software = "Plumbline", .num_observations = 20, .degrees_of_freedom = 8, .scaled = true};
+  input.network.remarks = {"reduced to the grid"};
   for (const int i : {0, 1, 2, 3}) {
     input.reference_features.push_back(
         {.name = "F" + std::to_string(i), .position_in_site = {10.0 * i, i * i * 1.0}, .covariance = covariance});
@@ -103,7 +106,7 @@ TEST(CertificateFileTest, RefusesOtherFiles) {
   refused("{\"format\": \"plumbline-cert");
   refused("[1, 2]");
   refused(R"({"format": "plumbline-certificate", "format_version": 99})");
-  refused(R"({"format": "plumbline-certificate", "format_version": 1, "site": 7})");
+  refused(R"({"format": "plumbline-certificate", "format_version": 2, "site": 7})");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "tests/support/random_artefacts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "formats/artefacts.h"
@@ -130,10 +131,34 @@ survey::Loops RandomArtefacts::Loops(int num_loops) {
 
 survey::ControlNetwork RandomArtefacts::Control(int num_points) {
   survey::ControlNetwork network{{"EPSG:25832", Text()}, {}};
+  const auto maybe = [&](double value) { return Coin() ? std::optional(value) : std::nullopt; };
   for (int i = 0; i < num_points; ++i) {
     network.points.push_back({std::to_string(i) + Text(), static_cast<survey::PointRole>(Below(4)), Vector2(),
-                              Covariance<2>(), Coin() ? std::optional(Real(100.0)) : std::nullopt, Text(), Text()});
+                              Covariance<2>(), maybe(Real(100.0)), maybe(std::abs(Real(0.1))), Text(), Text()});
+    if (i > 0) network.correlations.push_back({i - 1, i, Eigen::Matrix2d{{Real(1), Real(1)}, {Real(1), Real(1)}}});
   }
+  network.adjustment = {.software = Text(),
+                        .description = Text(),
+                        .num_observations = num_points,
+                        .num_unknowns = 7,
+                        .defect = 3,
+                        .degrees_of_freedom = 11,
+                        .sigma_zero_a_priori = 10.0,
+                        .sigma_zero = 9.5,
+                        .degrees = Coin(),
+                        .scaled = Coin(),
+                        .chi_square = 12.5,
+                        .chi_square_lower = 3.0,
+                        .chi_square_upper = 21.0,
+                        .critical_w = 3.29,
+                        .largest_w = 2.5,
+                        .num_uncontrolled = 1,
+                        .num_suspected = 2};
+  for (int i = 0; i < num_points; ++i) {
+    network.observations.push_back({Text(), Text(), Text(), Text(), Coin(), Real(1e3), 1e-3, Real(1e3), Real(1e-2),
+                                    5e-4, Real(4.0), std::abs(Real(1.0)), maybe(0.01), static_cast<int>(Below(3))});
+  }
+  network.remarks = {Text(), Text()};
   return network;
 }
 

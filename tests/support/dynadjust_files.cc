@@ -1,0 +1,362 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/support/dynadjust_files.h"
+
+#include <Eigen/Dense>
+#include <GeographicLib/Geocentric.hpp>
+#include <GeographicLib/NormalGravity.hpp>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <stdexcept>
+
+#include "survey/network/observation_equation.h"
+
+namespace test_support {
+namespace {
+
+using survey::CoordinateUse;
+using survey::Observation;
+using survey::ObservationKind;
+
+constexpr double kArcSecond = M_PI / 180.0 / 3600.0;
+constexpr double kMeanRadius = 6.37e6;
+
+std::vector<std::string> Words(const std::string& line) {
+  std::istringstream in(line);
+  std::vector<std::string> words;
+  for (std::string word; in >> word;) words.push_back(word);
+  return words;
+}
+
+std::vector<double> Decimals(const std::string& line) {
+  static const std::regex kDecimal(R"(-?\d+\.\d+(?:[eE][+-]\d+)?)");
+  std::vector<double> numbers;
+  for (std::sregex_iterator it(line.begin(), line.end(), kDecimal), end; it != end; ++it) {
+    numbers.push_back(std::stod(it->str()));
+  }
+  return numbers;
+}
+
+std::string Field(const std::string& line, std::size_t begin, std::size_t size) {
+  if (begin >= line.size()) return "";
+  const std::vector<std::string> words = Words(line.substr(begin, size));
+  return words.empty() ? "" : words.front();
+}
+
+// "-37 47 52.0000" in arc seconds, or a length.
+double Value(const std::string& text, bool angular) {
+  const std::vector<std::string> words = Words(text);
+  if (!angular) return std::stod(words.at(0));
+  const double sign = words.at(0).front() == '-' ? -1.0 : 1.0;
+  return sign * (std::abs(std::stod(words.at(0))) * 3600.0 + std::stod(words.at(1)) * 60.0 + std::stod(words.at(2)));
+}
+
+// "-37.481370003": degrees, minutes and seconds in the decimals, to degrees.
+double PackedDegrees(const std::string& text) {
+  const bool negative = text.front() == '-';
+  const std::size_t dot = text.find('.');
+  const double degrees = std::abs(std::stod(text.substr(0, dot)));
+  const std::string rest = text.substr(dot + 1);
+  const double value = degrees + std::stod(rest.substr(0, 2)) / 60.0 +
+                       std::stod(rest.substr(2, 2) + "." + rest.substr(4)) / 3600.0;
+  return negative ? -value : value;
+}
+
+const GeographicLib::Geocentric& Earth() { return GeographicLib::NormalGravity::GRS80().Earth(); }
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& folder) : folder_(folder) {}
+
+  DynAdjustNetwork Read() {
+    result_.network.geometry.geocentric = true;
+    result_.network.use_sigma_a_posteriori = false;
+    ReadExpected();
+    ReadMeasurements();
+    ReadConstraints();
+    return std::move(result_);
+  }
+
+ private:
+  // Columns of the expected output: type, three stations, ignored, component, six values.
+  void ReadExpected() {
+    std::ifstream in(folder_ / "urban.phased.adj.expected");
+    enum class Part { kHead, kMeasurements, kStations } part = Part::kHead;
+    for (std::string line; std::getline(in, line);) {
+      if (line.starts_with("Chi squared")) result_.chi_square = std::stod(Words(line).back());
+      if (line.starts_with("Degrees of freedom")) result_.degrees_of_freedom = std::stoi(Words(line).back());
+      if (line.starts_with("M Station 1")) part = Part::kMeasurements;
+      if (line.starts_with("Station      ")) part = Part::kStations;
+      if (line.size() < 100 || line.starts_with("M Station") || line.starts_with("Station  ") || line.front() == '-') {
+        continue;
+      }
+      if (part == Part::kMeasurements) AddExpected(line);
+      if (part == Part::kStations) AddStation(line);
+    }
+  }
+
+  void AddExpected(const std::string& line) {
+    ExpectedMeasurement m{.type = line.front()};
+    for (const std::size_t at : {std::size_t{2}, std::size_t{22}, std::size_t{42}}) {
+      const std::string station = Field(line, at, 20);
+      if (!station.empty()) m.stations.push_back(station);
+    }
+    m.component = Field(line, 65, 2);
+    const bool angular = std::string("AKBVZ").find(m.type) != std::string::npos || m.component == "P" ||
+                         m.component == "L";
+    m.measured = Value(line.substr(67, 19), angular);
+    m.adjusted = Value(line.substr(86, 19), angular);
+    const std::vector<std::string> rest = Words(line.substr(105));
+    m.correction = std::stod(rest.at(0));
+    m.sigma_adjusted = std::stod(rest.at(2));
+    m.sigma_correction = std::stod(rest.at(3));
+    m.n_statistic = std::stod(rest.at(4));
+    m.before = std::stod(rest.at(6));
+    by_key_[Key(m.type, m.stations, m.component)].push_back(m);
+  }
+
+  static std::string Key(char type, const std::vector<std::string>& stations, const std::string& component) {
+    std::string key(1, type);
+    for (const std::string& station : stations) key += " " + station;
+    return key + "/" + component;
+  }
+
+  void AddStation(const std::string& line) {
+    const std::vector<std::string> words = Words(line);
+    index_[words.at(0)] = static_cast<int>(result_.network.points.size());
+    // Latitude, longitude and height have one digit more than the geocentric coordinates.
+    double x = 0.0, y = 0.0, z = 0.0;
+    Earth().Forward(PackedDegrees(words.at(2)), PackedDegrees(words.at(3)), std::stod(words.at(5)), x, y, z);
+    const CoordinateUse use = words.at(1) == "CCC" ? CoordinateUse::kFixed : CoordinateUse::kAdjusted;
+    result_.network.points.push_back({.name = words.at(0), .plane = use, .height = use, .plane_known = true,
+                                      .height_known = true});
+    result_.expected_positions.emplace_back(x, y, z);
+    result_.expected_sigmas.emplace_back(std::stod(words.at(9)), std::stod(words.at(10)), std::stod(words.at(11)));
+    constraints_.push_back(words.at(1));
+    // The adjustment starts half a metre away, for it to have something to find.
+    const double offset = use == CoordinateUse::kFixed ? 0.0 : 0.4 - 0.1 * static_cast<double>(index_.size() % 9);
+    result_.network.points.back().position = Eigen::Vector3d(x + offset, y - offset, z + 0.5 * offset);
+  }
+
+  // The expected measurement that belongs to one of the file: of several between the same stations the one with that
+  // value.
+  ExpectedMeasurement Take(char type, const std::vector<std::string>& stations, const std::string& component,
+                           double measured) {
+    std::vector<ExpectedMeasurement>& all = by_key_[Key(type, stations, component)];
+    for (auto it = all.begin(); it != all.end(); ++it) {
+      if (std::abs(it->measured - measured) > 1.1e-4) continue;
+      ExpectedMeasurement found = *it;
+      all.erase(it);
+      return found;
+    }
+    throw std::runtime_error("no expected measurement for " + Key(type, stations, component));
+  }
+
+  void ReadMeasurements() {
+    std::ifstream in(folder_ / "urban-network.msr");
+    std::string line;
+    std::getline(in, line);
+    while (std::getline(in, line)) {
+      if (line.front() == '*' || line.size() < 3 || line[1] == '*') continue;
+      if (line.front() == 'G') {
+        ReadBaseline(line, in);
+      } else if (line.front() == 'Y') {
+        ReadPointCluster(line, in);
+      } else {
+        ReadSingle(line);
+      }
+    }
+  }
+
+  void Add(const Observation& observation, const ExpectedMeasurement& expected) {
+    result_.network.observations.push_back(observation);
+    result_.expected.push_back(expected);
+  }
+
+  void ReadSingle(const std::string& line) {
+    const char type = line.front();
+    std::vector<std::string> stations;
+    for (const std::size_t at : {std::size_t{2}, std::size_t{22}, std::size_t{42}}) {
+      const std::string station = Field(line, at, 20);
+      if (!station.empty() && (at < 42 || type == 'A')) stations.push_back(station);
+    }
+    const bool angular = std::string("AKBVZ").find(type) != std::string::npos;
+    const std::vector<std::string> words = Words(line.substr(62));
+    const double measured = Value(line.substr(62), angular);
+    const std::size_t next = angular ? 3 : 1;
+    const ExpectedMeasurement expected = Take(type, stations, "", measured);
+    Observation o{.from = index_.at(stations[0])};
+    if (stations.size() > 1) o.to = index_.at(stations[1]);
+    if (stations.size() > 2) o.fore = index_.at(stations[2]);
+    o.sigma = std::stod(words.at(next)) * (angular ? kArcSecond : 1.0);
+    if (words.size() > next + 2) {
+      o.instrument_height = std::stod(words[next + 1]);
+      o.target_height = std::stod(words[next + 2]);
+    }
+    SetKind(type, measured, expected.before, &o);
+    Add(o, expected);
+  }
+
+  // Heights of the geoid are added; deflections of the vertical are taken off.
+  void SetKind(char type, double measured, double before, Observation* o) const {
+    const double angle = (measured - before) * kArcSecond;
+    o->value = measured;
+    switch (type) {
+      case 'A':
+        o->kind = ObservationKind::kAngle;
+        o->value = angle;
+        break;
+      case 'K':
+      case 'B':
+        o->kind = ObservationKind::kAzimuth;
+        o->value = angle;
+        break;
+      case 'V':
+        o->kind = ObservationKind::kZenithAngle;
+        o->value = angle;
+        break;
+      case 'Z':
+        o->kind = ObservationKind::kZenithAngle;
+        o->value = M_PI / 2 - angle;
+        break;
+      case 'S':
+        o->kind = ObservationKind::kSlopeDistance;
+        break;
+      case 'M': {  // on the ellipsoid; here in the height of the station
+        o->kind = ObservationKind::kDistance;
+        const Eigen::Vector3d& p = result_.expected_positions[static_cast<std::size_t>(o->from)];
+        o->value = measured * (1.0 + survey::EllipsoidalHeight(p) / kMeanRadius);
+        break;
+      }
+      case 'H':
+        o->kind = ObservationKind::kHeight;
+        o->value = measured + before;
+        break;
+      case 'L':
+        o->kind = ObservationKind::kHeightDifference;
+        o->value = measured + before;
+        break;
+      default:
+        throw std::runtime_error(std::string("unknown measurement type ") + type);
+    }
+  }
+
+  void ReadBaseline(const std::string& line, std::ifstream& in) {
+    const std::vector<std::string> stations = {Field(line, 2, 20), Field(line, 22, 20)};
+    Eigen::Matrix3d covariance;
+    const std::size_t first = result_.network.observations.size();
+    for (int row = 0; row < 3; ++row) {
+      std::string values;
+      std::getline(in, values);
+      const std::vector<double> numbers = Decimals(values);
+      for (int column = 0; column <= row; ++column) {
+        covariance(row, column) = covariance(column, row) = numbers.at(static_cast<std::size_t>(column) + 1);
+      }
+      Observation o{.kind = ObservationKind::kDifference, .from = index_.at(stations[0]), .to = index_.at(stations[1]),
+                    .component = row, .value = numbers.at(0)};
+      o.sigma = std::sqrt(covariance(row, row));
+      Add(o, Take('G', stations, std::string(1, "XYZ"[row]), numbers.at(0)));
+    }
+    result_.network.correlated.push_back({first, covariance});
+  }
+
+  // Latitudes, longitudes and heights of some stations with their whole covariance (rad, m), as geocentric coordinates.
+  void ReadPointCluster(std::string line, std::ifstream& in) {
+    const int count = std::stoi(Words(line.substr(40)).at(0));
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(3 * count, 3 * count);
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(3 * count, 3 * count);
+    const std::size_t first = result_.network.observations.size();
+    for (int k = 0; k < count; ++k) {
+      if (k > 0) std::getline(in, line);
+      const std::string station = Field(line, 2, 20);
+      double values[3];
+      for (int row = 0; row < 3; ++row) {
+        std::getline(in, line);
+        const std::vector<double> numbers = Decimals(line);
+        values[row] = numbers.at(0);
+        for (int column = 0; column <= row; ++column) {
+          covariance(3 * k + row, 3 * k + column) = covariance(3 * k + column, 3 * k + row) =
+              numbers.at(static_cast<std::size_t>(column) + 1);
+        }
+      }
+      for (int other = k + 1; other < count; ++other) {
+        for (int row = 0; row < 3; ++row) {
+          std::getline(in, line);
+          const std::vector<double> numbers = Decimals(line);
+          for (int column = 0; column < 3; ++column) {
+            covariance(3 * k + row, 3 * other + column) = covariance(3 * other + column, 3 * k + row) =
+                numbers.at(static_cast<std::size_t>(column));
+          }
+        }
+      }
+      AddPosition(station, values, 3 * k, &jacobian);
+    }
+    result_.network.correlated.push_back({first, jacobian * covariance * jacobian.transpose()});
+    for (std::size_t i = 0; i < static_cast<std::size_t>(3 * count); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      result_.network.observations[first + i].sigma = std::sqrt(result_.network.correlated.back().covariance(row, row));
+    }
+  }
+
+  void AddPosition(const std::string& station, const double packed[3], int place, Eigen::MatrixXd* jacobian) {
+    char latitude_text[40], longitude_text[40];
+    std::snprintf(latitude_text, sizeof latitude_text, "%.12f", packed[0]);
+    std::snprintf(longitude_text, sizeof longitude_text, "%.12f", packed[1]);
+    const double latitude = PackedDegrees(latitude_text), longitude = PackedDegrees(longitude_text);
+    ExpectedMeasurement expected[3] = {Take('Y', {station}, "P", latitude * 3600.0),
+                                       Take('Y', {station}, "L", longitude * 3600.0),
+                                       Take('Y', {station}, "H", packed[2])};
+    const double height = packed[2] + expected[2].before;
+    const auto position = [&](double d_latitude, double d_longitude, double d_height) {
+      Eigen::Vector3d p;
+      Earth().Forward(latitude + d_latitude * 180.0 / M_PI, longitude + d_longitude * 180.0 / M_PI, height + d_height,
+                      p.x(), p.y(), p.z());
+      return p;
+    };
+    constexpr double kStep = 1e-6;
+    jacobian->block<3, 1>(place, place) = (position(kStep, 0, 0) - position(-kStep, 0, 0)) / (2 * kStep);
+    jacobian->block<3, 1>(place, place + 1) = (position(0, kStep, 0) - position(0, -kStep, 0)) / (2 * kStep);
+    jacobian->block<3, 1>(place, place + 2) = position(0, 0, 0.5) - position(0, 0, -0.5);
+    const Eigen::Vector3d p = position(0, 0, 0);
+    for (int row = 0; row < 3; ++row) {
+      Add({.kind = ObservationKind::kCoordinate, .from = index_.at(station), .component = row, .value = p[row]},
+          expected[row]);
+    }
+  }
+
+  // Stations that are constrained in some of east, north and up are observed there, with 10 micrometres, and in the
+  // others with the 10 m that DynAdjust gives to free stations.
+  void ReadConstraints() {
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      if (constraints_[i] == "FFF" || constraints_[i] == "CCC") continue;
+      const Eigen::Matrix3d axes = survey::LevelledAxes(result_.expected_positions[i]);
+      Eigen::Vector3d sigmas;
+      for (int k = 0; k < 3; ++k) {
+        const bool constrained = constraints_[i][static_cast<std::size_t>(k)] == 'C';
+        sigmas[k] = constrained ? 1e-5 : 10.0;
+        if (!constrained) ++result_.num_loose_constraints;
+      }
+      const std::size_t first = result_.network.observations.size();
+      for (int k = 0; k < 3; ++k) {
+        result_.network.observations.push_back({.kind = ObservationKind::kCoordinate, .from = static_cast<int>(i),
+                                                .component = k, .value = result_.expected_positions[i][k], .sigma = 1});
+      }
+      result_.network.correlated.push_back(
+          {first, axes.transpose() * sigmas.cwiseAbs2().asDiagonal() * axes});
+    }
+  }
+
+  const std::filesystem::path& folder_;
+  DynAdjustNetwork result_;
+  std::map<std::string, int> index_;
+  std::vector<std::string> constraints_;
+  std::map<std::string, std::vector<ExpectedMeasurement>> by_key_;
+};
+
+}  // namespace
+
+DynAdjustNetwork ReadDynAdjust(const std::filesystem::path& folder) { return Reader(folder).Read(); }
+
+}  // namespace test_support

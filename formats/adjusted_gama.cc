@@ -22,6 +22,9 @@ class GamaAdjustmentReader {
                            const std::string& where) { End(name, std::string(Trimmed(text)), where); }},
             &result_.warnings);
     if (result_.points.empty()) throw DataError(file_.string() + ": holds no points");
+    if (result_.sigma_zero_a_priori <= 0.0 || !(result_.confidence > 0.0 && result_.confidence < 1.0)) {
+      throw DataError(file_.string() + ": does not state sigma zero a priori and the probability of its tests");
+    }
     SpreadCovariance();
     return std::move(result_);
   }
@@ -59,6 +62,14 @@ class GamaAdjustmentReader {
     return *value;
   }
 
+  int CountOf(const std::string& text, const std::string& where) const {
+    const double value = NumberOf(text, where);
+    if (!(value >= 0.0 && value <= 1e7 && value == static_cast<int>(value))) {
+      throw DataError(where + "\"" + text + "\": must be a whole number");
+    }
+    return static_cast<int>(value);
+  }
+
   void End(const std::string& name, const std::string& text, const std::string& where) {
     path_.pop_back();
     if (name == "description" && path_.size() == 1) result_.description = text;
@@ -71,17 +82,17 @@ class GamaAdjustmentReader {
       result_.points.push_back(point_);
     }
     if (In("cov-mat")) {
-      if (name == "dim") size_ = static_cast<int>(NumberOf(text, where));
-      if (name == "band") band_ = static_cast<int>(NumberOf(text, where));
+      if (name == "dim") size_ = CountOf(text, where);
+      if (name == "band") band_ = CountOf(text, where);
       if (name == "flt") numbers_.push_back(NumberOf(text, where));
     }
   }
 
   void ReadSummary(const std::string& name, const std::string& text, const std::string& where) {
-    if (name == "equations") result_.num_observations = static_cast<int>(NumberOf(text, where));
-    if (name == "unknowns") result_.num_unknowns = static_cast<int>(NumberOf(text, where));
-    if (name == "degrees-of-freedom") result_.degrees_of_freedom = static_cast<int>(NumberOf(text, where));
-    if (name == "defect") result_.defect = static_cast<int>(NumberOf(text, where));
+    if (name == "equations") result_.num_observations = CountOf(text, where);
+    if (name == "unknowns") result_.num_unknowns = CountOf(text, where);
+    if (name == "degrees-of-freedom") result_.degrees_of_freedom = CountOf(text, where);
+    if (name == "defect") result_.defect = CountOf(text, where);
     if (name == "apriori") result_.sigma_zero_a_priori = NumberOf(text, where);
     if (name == "aposteriori") result_.sigma_zero_a_posteriori = NumberOf(text, where);
     if (name == "used") result_.sigma_used_is_a_posteriori = text == "aposteriori";

@@ -95,9 +95,8 @@ ControlSource FromGamaAdjustment(const fs::path& file, const ControlSourceOption
   for (std::size_t i = 0; i < adjusted.points.size(); ++i) {
     if (adjusted.points[i].has_plane) order.push_back(i);
   }
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return adjusted.points[a].name < adjusted.points[b].name;
-  });
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return adjusted.points[a].name < adjusted.points[b].name; });
   const auto row = [](std::size_t point) { return static_cast<Eigen::Index>(3 * point); };
   std::vector<std::string> where;
   for (std::size_t a = 0; a < order.size(); ++a) {
@@ -176,7 +175,8 @@ std::vector<PointRoleRow> ReadRolesCsv(const fs::path& file) {
   std::vector<PointRoleRow> rows;
   std::set<std::string> names;
   while (csv.NextRow()) {
-    PointRoleRow row{.point = std::string(csv.Text(0)), .reason = std::string(csv.fields()[2]),
+    PointRoleRow row{.point = std::string(csv.Text(0)),
+                     .reason = std::string(csv.fields()[2]),
                      .where = file.string() + ":" + std::to_string(csv.row())};
     const std::string_view text = csv.Text(1);
     bool known = false;

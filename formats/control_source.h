@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A site's control in whatever file an office keeps it: lists of points (CSV, TXT, LandXML), another program's adjustment
-// (GNU Gama XML), or observations to be adjusted (GNU Gama .gkf, STAR*NET .dat).
+// A site's control in whatever file an office keeps it: lists of points (CSV, TXT, LandXML), another program's
+// adjustment (GNU Gama XML), or observations to be adjusted (GNU Gama .gkf, STAR*NET .dat).
 #pragma once
 
 #include <filesystem>

@@ -59,9 +59,11 @@ class GkfReader {
     if (name == "obs" || name == "coordinates" || name == "height-differences" || name == "vectors") {
       return StartCluster(element);
     }
+    const bool in_cluster = name == "cov-mat" || name == "vec" || name == "dh" || KindOf(name);
+    if (in_cluster && !in_cluster_) element.Fail("stands outside of a group of observations");
     if (name == "cov-mat") {
-      covariance_size_ = static_cast<int>(element.NeededNumber("dim"));
-      covariance_band_ = static_cast<int>(element.NeededNumber("band"));
+      covariance_size_ = element.NeededCount("dim");
+      covariance_band_ = element.NeededCount("band");
       return element.RefuseOthers();
     }
     if (name == "vec") return AddVector(element);
@@ -75,7 +77,7 @@ class GkfReader {
     if (name == "description") result_.network.description = std::string(Trimmed(text));
     if (name == "cov-mat") clusters_.SetCovariance(NumbersOf(text, where), covariance_size_, covariance_band_, where);
     if (name == "obs" || name == "coordinates" || name == "height-differences" || name == "vectors") {
-      in_coordinates_ = false;
+      in_coordinates_ = in_cluster_ = false;
       clusters_.End(where);
     }
   }
@@ -188,6 +190,8 @@ class GkfReader {
 
   void StartCluster(XmlElement& element) {
     const std::string& name = element.name();
+    if (in_cluster_) element.Fail("stands inside of another group of observations");
+    in_cluster_ = true;
     in_coordinates_ = name == "coordinates";
     station_ = element.Text("from");
     station_height_ = element.Number("from_dh", 0.0);
@@ -334,6 +338,7 @@ class GkfReader {
   NetworkClusters clusters_;
   int depth_ = 0;
   bool seen_network_ = false;
+  bool in_cluster_ = false;
   bool in_coordinates_ = false;
   bool any_dms_ = false;
   PlaneAxis axes_[2];

@@ -49,9 +49,9 @@ void PrintSummary(const AdjustmentSummary& s, std::ostream& out) {
       << "chi-square                  " << Number(s.chi_square, "%.3f") << "\n"
       << "chi-square test (" << Number(100.0 * s.confidence, "%.1f") << " %)    " << Number(s.chi_square_lower, "%.3f")
       << " < " << Number(s.chi_square, "%.3f") << " < " << Number(s.chi_square_upper, "%.3f")
-      << (s.ChiSquareHolds()                       ? "  passed"
-          : s.chi_square > s.chi_square_upper      ? "  FAILED: observations are worse than their standard deviations say"
-                                                   : "  FAILED: observations are better than their standard deviations say")
+      << (s.ChiSquareHolds()                  ? "  passed"
+          : s.chi_square > s.chi_square_upper ? "  FAILED: observations are worse than their standard deviations say"
+                                              : "  FAILED: observations are better than their standard deviations say")
       << "\n";
   if (s.critical_w == 0.0) return;
   out << "largest test statistic |w|  " << Number(s.largest_w, "%.2f") << " (critical " << Number(s.critical_w, "%.2f")
@@ -79,8 +79,8 @@ void PrintEllipses(const survey::ControlNetwork& network, const Angles& angles, 
 void PrintObservations(const survey::ControlNetwork& network, const Angles& angles, std::ostream& out) {
   out << "\nadjusted observations (m; residuals, standard deviations and MDB in mm or " << angles.SmallUnit()
       << "; adjusted minus observed; r redundancy; * suspected outlier, in the order found)\n";
-  TextTable({"observation", "from", "to", "fore", "observed", "adjusted", "residual", "sd obs", "sd adj", "w", "r", "MDB",
-             "*"})
+  TextTable({"observation", "from", "to", "fore", "observed", "adjusted", "residual", "sd obs", "sd adj", "w", "r",
+             "MDB", "*"})
       .Print(out, [&](const auto& row) {
         for (const AdjustedObservation& o : network.observations) {
           const auto whole = [&](double value) { return o.angular ? angles.Whole(value) : Number(value, "%.5f"); };

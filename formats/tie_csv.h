@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Points that are known both in the site grid and in the projected system: header point,x,y,easting,northing (m; x to the
-// right of y, seen from above).
+// Points that are known both in the site grid and in the projected system: header point,x,y,easting,northing (m; x to
+// the right of y, seen from above).
 #pragma once
 
 #include <filesystem>

@@ -176,6 +176,14 @@ double XmlElement::NeededNumber(const std::string& attribute) {
   return Number(attribute, 0.0);
 }
 
+int XmlElement::NeededCount(const std::string& attribute) {
+  const double value = NeededNumber(attribute);
+  if (!(value >= 0.0 && value <= 1e6 && value == static_cast<int>(value))) {
+    Fail(attribute + " = " + NumberText(value) + ": must be a whole number from 0 to a million");
+  }
+  return static_cast<int>(value);
+}
+
 void XmlElement::RefuseOthers() const {
   for (const auto& [attribute, value] : attributes_) {
     if (!known_.contains(attribute)) Fail("unknown attribute " + attribute);

@@ -28,6 +28,7 @@ class XmlElement {
   bool Has(const std::string& attribute) const { return attributes_.contains(attribute); }
   double Number(const std::string& attribute, double default_value);
   double NeededNumber(const std::string& attribute);
+  int NeededCount(const std::string& attribute);  // a whole number from 0 to a million
   // DataError when there is an attribute that was not asked for.
   void RefuseOthers() const;
   [[noreturn]] void Fail(const std::string& what) const;

@@ -30,12 +30,12 @@ void ApplySiteTie(const SiteTie& tie, const std::vector<TiePoint>& points, Contr
   }
   const double c = tie.scale * std::cos(tie.rotation), s = tie.scale * std::sin(tie.rotation);
   ApplyLinear((Eigen::Matrix2d() << c, -s, s, c).finished(), network);
-  network->remarks.push_back(
-      Text("coordinates are transformed from the site grid by %d parameters on %d points: rotation %.4f gon, scale %.8f%s, "
-           "sigma zero %.1f mm with %d degrees of freedom",
-           tie.num_parameters, static_cast<int>(points.size()), tie.rotation * 200.0 / M_PI, tie.scale,
-           tie.num_parameters == 3 ? Text(" (not applied: %.8f)", tie.fitted_scale).c_str() : "", 1000.0 * tie.sigma_zero,
-           tie.degrees_of_freedom));
+  network->remarks.push_back(Text(
+      "coordinates are transformed from the site grid by %d parameters on %d points: rotation %.4f gon, scale %.8f%s, "
+      "sigma zero %.1f mm with %d degrees of freedom",
+      tie.num_parameters, static_cast<int>(points.size()), tie.rotation * 200.0 / M_PI, tie.scale,
+      tie.num_parameters == 3 ? Text(" (not applied: %.8f)", tie.fitted_scale).c_str() : "", 1000.0 * tie.sigma_zero,
+      tie.degrees_of_freedom));
   for (std::size_t i = 0; i < points.size(); ++i) {
     network->remarks.push_back(Text("tie point %s: residual east %.1f mm, north %.1f mm", points[i].name.c_str(),
                                     1000.0 * tie.residuals[i].x(), 1000.0 * tie.residuals[i].y()));
@@ -47,10 +47,10 @@ void ReduceToGrid(double combined_factor, const Eigen::Vector2d& origin, Control
     if (HasPlace(point)) point.position_in_site = origin + combined_factor * (point.position_in_site - origin);
   }
   ApplyLinear(Eigen::Matrix2d::Identity() * combined_factor, network);
-  network->remarks.push_back(
-      Text("control is given in ground coordinates; they are reduced to the grid with the combined factor %.8f about east "
-           "%.3f, north %.3f",
-           combined_factor, origin.x(), origin.y()));
+  network->remarks.push_back(Text(
+      "control is given in ground coordinates; they are reduced to the grid with the combined factor %.8f about east "
+      "%.3f, north %.3f",
+      combined_factor, origin.x(), origin.y()));
 }
 
 }  // namespace survey

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// How control comes from the system that it was surveyed in into the site's projected system: a tie of the site grid, or
-// ground coordinates scaled down to the grid. Positions, covariances and correlations change alike.
+// How control comes from the system that it was surveyed in into the site's projected system: a tie of the site grid,
+// or ground coordinates scaled down to the grid. Positions, covariances and correlations change alike.
 #pragma once
 
 #include <Eigen/Core>

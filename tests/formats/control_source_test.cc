@@ -50,20 +50,22 @@ TEST_F(ControlSourceTest, LandXmlIsNorthEastElevation) {
   EXPECT_EQ(source.control.points[1].description, "bolt");
   EXPECT_EQ(source.num_default_sigmas, 2);
   EXPECT_EQ(source.warnings.size(), 1U);
-  const ControlSource feet = Read(
-      "c.xml", LandXml("<CgPoint name=\"A\">3937 0</CgPoint>", "<Imperial linearUnit=\"USSurveyFoot\"/>"));
+  const ControlSource feet =
+      Read("c.xml", LandXml("<CgPoint name=\"A\">3937 0</CgPoint>", "<Imperial linearUnit=\"USSurveyFoot\"/>"));
   EXPECT_NEAR(feet.control.points[0].position_in_site.y(), 1200.0, 1e-9);
 }
 
 TEST_F(ControlSourceTest, LandXmlRefusals) {
-  ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">1</CgPoint>"), "expected northing, easting and perhaps elevation");
+  ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">1</CgPoint>"),
+                "expected northing, easting and perhaps elevation");
   ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">1,5 2</CgPoint>"), "decimal comma");
   ExpectRefused("c.xml", LandXml("<CgPoint>1 2</CgPoint>"), "attribute name is missing");
   ExpectRefused("c.xml", LandXml(""), "holds no CgPoint");
-  ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">1 2</CgPoint>", "<Metric linearUnit=\"cubit\"/>"), "is not known");
+  ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">1 2</CgPoint>", "<Metric linearUnit=\"cubit\"/>"),
+                "is not known");
   ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">1 2</CgPoint><CgPoint name=\"K\">1 3</CgPoint>"), "there twice");
-  ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">5334000 690000</CgPoint>"), "in EPSG:25832, the site is in EPSG:25833",
-                {.csv = {.crs = "EPSG:25833"}});
+  ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">5334000 690000</CgPoint>"),
+                "in EPSG:25832, the site is in EPSG:25833", {.csv = {.crs = "EPSG:25833"}});
   ExpectRefused("c.xml", LandXml("<CgPoint name=\"K\">690000 5334000</CgPoint>"), "northing and easting look exchanged",
                 {.csv = {.crs = "EPSG:25832"}});
   ExpectRefused("c.xml", "<kml/>", "<kml> is not control");
@@ -96,7 +98,8 @@ TEST_F(ControlSourceTest, GamaAdjustment) {
   EXPECT_LT((a.covariance - 1e-6 * Eigen::Matrix2d{{7, 2}, {2, 6}}).norm(), 1e-18);
   ASSERT_EQ(source.control.correlations.size(), 1U);
   // Rows: east, north of A; columns: east, north of B.
-  EXPECT_LT((source.control.correlations[0].covariance - 1e-6 * Eigen::Matrix2d{{0, 0.25}, {0.125, 0.5}}).norm(), 1e-18);
+  EXPECT_LT((source.control.correlations[0].covariance - 1e-6 * Eigen::Matrix2d{{0, 0.25}, {0.125, 0.5}}).norm(),
+            1e-18);
   EXPECT_EQ(source.num_default_sigmas, 1);  // the fixed point
   ASSERT_TRUE(source.control.adjustment.has_value());
   EXPECT_EQ(source.control.adjustment->software, "GNU Gama 2.11");

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Readers of observation files: axes and hands, units, encodings, and what they refuse.
-#include "formats/network_file.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,6 +8,7 @@
 #include "formats/angle_text.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/network_file.h"
 #include "survey/network/adjustment.h"
 #include "survey/network/approximations.h"
 #include "tests/support/scratch_folder.h"
@@ -76,7 +75,8 @@ TEST_F(NetworkFilesTest, EveryPairOfAxesAndEitherHand) {
       SCOPED_TRACE(axes + " " + angles);
       const double hand = angles == "left-handed" ? 1.0 : -1.0;
       const auto fixed = [&](const std::string& id, const Eigen::Vector2d& q) {
-        return "<point id='" + id + "' x='" + Num(along(axes[0], q)) + "' y='" + Num(along(axes[1], q)) + "' fix='xy'/>\n";
+        return "<point id='" + id + "' x='" + Num(along(axes[0], q)) + "' y='" + Num(along(axes[1], q)) +
+               "' fix='xy'/>\n";
       };
       const auto direction = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to, const std::string& name) {
         return "<direction to='" + name + "' val='" + Num(hand * (azimuth(from, to) - 33.0)) + "'/>\n";
@@ -96,13 +96,13 @@ TEST_F(NetworkFilesTest, EveryPairOfAxesAndEitherHand) {
 }
 
 TEST_F(NetworkFilesTest, GkfUnitsAndDefaults) {
-  const NetworkFile file = Gkf(
-      "<gama-local><network><parameters sigma-apr='5' conf-pr='0.9' sigma-act='apriori'/>\n"
-      "<points-observations distance-stdev='3 2 1' zenith-angle-stdev='20'>\n"
-      "<point id='A' x='0' y='0' z='0' fix='xyz'/><point id='B' x='1000' y='0' z='1' adj='XYz'/>\n"
-      "<obs from='A' from_dh='1.5'><distance to='B' val='1000'/><z-angle to='B' val='90-00-30' to_dh='2'/></obs>\n"
-      "<height-differences><dh from='A' to='B' val='1' dist='4'/></height-differences>\n"
-      "</points-observations></network></gama-local>");
+  const NetworkFile file =
+      Gkf("<gama-local><network><parameters sigma-apr='5' conf-pr='0.9' sigma-act='apriori'/>\n"
+          "<points-observations distance-stdev='3 2 1' zenith-angle-stdev='20'>\n"
+          "<point id='A' x='0' y='0' z='0' fix='xyz'/><point id='B' x='1000' y='0' z='1' adj='XYz'/>\n"
+          "<obs from='A' from_dh='1.5'><distance to='B' val='1000'/><z-angle to='B' val='90-00-30' to_dh='2'/></obs>\n"
+          "<height-differences><dh from='A' to='B' val='1' dist='4'/></height-differences>\n"
+          "</points-observations></network></gama-local>");
   const survey::Network& network = file.network;
   EXPECT_EQ(network.sigma_zero, 5.0);
   EXPECT_EQ(network.confidence, 0.9);
@@ -153,7 +153,8 @@ TEST_F(NetworkFilesTest, GkfNamesLineValueAndRule) {
   refused("<obs from='A'><distance to='B' val='10,5'/></obs>",
           "n.gkf:7: <distance>: val = \"10,5\": decimal comma: write numbers with a decimal point");
   refused("<obs from='A'><distance to='B' val='-5'/></obs>", "val = -5: a distance must be positive");
-  refused("<obs from='A'><distance to='B' val='5' stdev='0'/></obs>", "stdev = 0: a standard deviation must be positive");
+  refused("<obs from='A'><distance to='B' val='5' stdev='0'/></obs>",
+          "stdev = 0: a standard deviation must be positive");
   refused("<obs from='A'><distance to='B' val='5' stdv='2'/></obs>", "unknown attribute stdv");
   refused("<obs from='A'><azimuth to='B' val='5'/></obs>", "the azimuth has no standard deviation");
   refused("<obs from='A'><direction to='B' val='1-70-00'/></obs>", "must be gon (123.4567) or degrees (123-45-06.7)");
@@ -164,8 +165,10 @@ TEST_F(NetworkFilesTest, GkfNamesLineValueAndRule) {
   refused("<point id='A' x='1' y='0' fix='xy'/>", "point A is already there");
   refused("<obs from='A'><distance to='B' val='5'/><cov-mat dim='2' band='0'>1 1</cov-mat></obs>",
           "the covariance matrix has the dimension 2 for 1 observations");
-  refused("<obs from='A'><distance to='B' val='5'/><distance to='B' val='5'/><cov-mat dim='2' band='1'>1 2 1</cov-mat></obs>",
-          "is not positive definite");
+  refused(
+      "<obs from='A'><distance to='B' val='5'/><distance to='B' val='5'/><cov-mat dim='2' band='1'>1 2 "
+      "1</cov-mat></obs>",
+      "is not positive definite");
   refused("<obs from='A'><distance to='B' val='5'/><cov-mat dim='1' band='0'>1 1</cov-mat></obs>", "too many numbers");
   ExpectGkfRefused(Network("", "axes-xy='nn'"), "axes-xy = \"nn\": must be one of");
   ExpectGkfRefused(Network("<point id='A' x='0' y='0' fix='xq'/>"), "must be made of x, y and z");
@@ -176,9 +179,9 @@ TEST_F(NetworkFilesTest, GkfNamesLineValueAndRule) {
 }
 
 TEST_F(NetworkFilesTest, ObservationsOfUnknownPointsAreToldNotTaken) {
-  const NetworkFile file = Gkf(Network(
-      "<point id='A' x='0' y='0' fix='xy'/>\n<point id='B' adj='xy'/>\n"
-      "<obs from='A'><distance to='B' val='5'/><distance to='b' val='5'/></obs>"));
+  const NetworkFile file =
+      Gkf(Network("<point id='A' x='0' y='0' fix='xy'/>\n<point id='B' adj='xy'/>\n"
+                  "<obs from='A'><distance to='B' val='5'/><distance to='b' val='5'/></obs>"));
   EXPECT_EQ(file.network.observations.size(), 1U);
   ASSERT_EQ(file.warnings.size(), 1U);
   EXPECT_NE(file.warnings[0].find("n.gkf:7: distance A - b: left out"), std::string::npos) << file.warnings[0];
@@ -203,9 +206,10 @@ TEST_F(NetworkFilesTest, StarnetReadsTraversesSetsAndBearings) {
   std::vector<ObservationKind> kinds;
   for (const survey::Observation& o : n.observations) kinds.push_back(o.kind);
   using enum ObservationKind;
-  EXPECT_EQ(kinds, (std::vector<ObservationKind>{kCoordinate, kAngle, kSlopeDistance, kZenithAngle, kAngle, kSlopeDistance,
-                                                 kZenithAngle, kDirection, kDirection, kSlopeDistance, kZenithAngle,
-                                                 kAzimuth, kAzimuth, kSlopeDistance, kZenithAngle, kHeightDifference}));
+  EXPECT_EQ(kinds,
+            (std::vector<ObservationKind>{kCoordinate, kAngle, kSlopeDistance, kZenithAngle, kAngle, kSlopeDistance,
+                                          kZenithAngle, kDirection, kDirection, kSlopeDistance, kZenithAngle, kAzimuth,
+                                          kAzimuth, kSlopeDistance, kZenithAngle, kHeightDifference}));
   EXPECT_EQ(n.observations[0].component, 1);
   EXPECT_EQ(n.observations[0].sigma, 0.01);
   const survey::Observation& first_leg = n.observations[1];

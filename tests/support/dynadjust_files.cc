@@ -59,8 +59,8 @@ double PackedDegrees(const std::string& text) {
   const std::size_t dot = text.find('.');
   const double degrees = std::abs(std::stod(text.substr(0, dot)));
   const std::string rest = text.substr(dot + 1);
-  const double value = degrees + std::stod(rest.substr(0, 2)) / 60.0 +
-                       std::stod(rest.substr(2, 2) + "." + rest.substr(4)) / 3600.0;
+  const double value =
+      degrees + std::stod(rest.substr(0, 2)) / 60.0 + std::stod(rest.substr(2, 2) + "." + rest.substr(4)) / 3600.0;
   return negative ? -value : value;
 }
 
@@ -104,8 +104,8 @@ class Reader {
       if (!station.empty()) m.stations.push_back(station);
     }
     m.component = Field(line, 65, 2);
-    const bool angular = std::string("AKBVZ").find(m.type) != std::string::npos || m.component == "P" ||
-                         m.component == "L";
+    const bool angular =
+        std::string("AKBVZ").find(m.type) != std::string::npos || m.component == "P" || m.component == "L";
     m.measured = Value(line.substr(67, 19), angular);
     m.adjusted = Value(line.substr(86, 19), angular);
     const std::vector<std::string> rest = Words(line.substr(105));
@@ -130,8 +130,8 @@ class Reader {
     double x = 0.0, y = 0.0, z = 0.0;
     Earth().Forward(PackedDegrees(words.at(2)), PackedDegrees(words.at(3)), std::stod(words.at(5)), x, y, z);
     const CoordinateUse use = words.at(1) == "CCC" ? CoordinateUse::kFixed : CoordinateUse::kAdjusted;
-    result_.network.points.push_back({.name = words.at(0), .plane = use, .height = use, .plane_known = true,
-                                      .height_known = true});
+    result_.network.points.push_back(
+        {.name = words.at(0), .plane = use, .height = use, .plane_known = true, .height_known = true});
     result_.expected_positions.emplace_back(x, y, z);
     result_.expected_sigmas.emplace_back(std::stod(words.at(9)), std::stod(words.at(10)), std::stod(words.at(11)));
     constraints_.push_back(words.at(1));
@@ -254,8 +254,11 @@ class Reader {
       for (int column = 0; column <= row; ++column) {
         covariance(row, column) = covariance(column, row) = numbers.at(static_cast<std::size_t>(column) + 1);
       }
-      Observation o{.kind = ObservationKind::kDifference, .from = index_.at(stations[0]), .to = index_.at(stations[1]),
-                    .component = row, .value = numbers.at(0)};
+      Observation o{.kind = ObservationKind::kDifference,
+                    .from = index_.at(stations[0]),
+                    .to = index_.at(stations[1]),
+                    .component = row,
+                    .value = numbers.at(0)};
       o.sigma = std::sqrt(covariance(row, row));
       Add(o, Take('G', stations, std::string(1, "XYZ"[row]), numbers.at(0)));
     }
@@ -340,11 +343,13 @@ class Reader {
       }
       const std::size_t first = result_.network.observations.size();
       for (int k = 0; k < 3; ++k) {
-        result_.network.observations.push_back({.kind = ObservationKind::kCoordinate, .from = static_cast<int>(i),
-                                                .component = k, .value = result_.expected_positions[i][k], .sigma = 1});
+        result_.network.observations.push_back({.kind = ObservationKind::kCoordinate,
+                                                .from = static_cast<int>(i),
+                                                .component = k,
+                                                .value = result_.expected_positions[i][k],
+                                                .sigma = 1});
       }
-      result_.network.correlated.push_back(
-          {first, axes.transpose() * sigmas.cwiseAbs2().asDiagonal() * axes});
+      result_.network.correlated.push_back({first, axes.transpose() * sigmas.cwiseAbs2().asDiagonal() * axes});
     }
   }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// DynAdjust's sample network (DNA 3.01 station and measurement files) with its expected adjustment. The geoid model that
-// DynAdjust used is not at hand; what it corrected with it stands beside each measurement of the expected output and is
-// taken from there, as are the coordinates of constrained stations.
+// DynAdjust's sample network (DNA 3.01 station and measurement files) with its expected adjustment. The geoid model
+// that DynAdjust used is not at hand; what it corrected with it stands beside each measurement of the expected output
+// and is taken from there, as are the coordinates of constrained stations.
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,19 @@ namespace test_support {
 struct ExpectedMeasurement {
   char type = 0;
   std::vector<std::string> stations;
-  std::string component;      // X, Y, Z or P, L, H of a cluster
-  double measured = 0.0;      // m, or arc seconds
+  std::string component;  // X, Y, Z or P, L, H of a cluster
+  double measured = 0.0;  // m, or arc seconds
   double adjusted = 0.0;
   double correction = 0.0;
   double sigma_adjusted = 0.0;
   double sigma_correction = 0.0;
   double n_statistic = 0.0;
-  double before = 0.0;        // correction before the adjustment: geoid, deflection of the vertical
+  double before = 0.0;  // correction before the adjustment: geoid, deflection of the vertical
 };
 
 struct DynAdjustNetwork {
-  survey::Network network;  // geocentric
-  std::vector<ExpectedMeasurement> expected;  // of network.observations, in their order, then the constraints
+  survey::Network network;                          // geocentric
+  std::vector<ExpectedMeasurement> expected;        // of network.observations, in their order, then the constraints
   std::vector<Eigen::Vector3d> expected_positions;  // of network.points
   std::vector<Eigen::Vector3d> expected_sigmas;     // east, north, up
   int num_loose_constraints = 0;  // of 10 m, which complete the triples of partly constrained stations

@@ -32,8 +32,9 @@ TEST(SiteTieTest, FindsTheTransformation) {
   EXPECT_LT(tie.sigma_zero, 1e-8);
   EXPECT_EQ(tie.degrees_of_freedom, 4);
   const Eigen::Vector2d in_grid(12, 34);
-  EXPECT_LT((tie.Apply(in_grid) - Eigen::Vector2d(690000, 5334000) - 0.9997 * (Eigen::Rotation2Dd(kTurn) * in_grid)).norm(),
-            1e-8);
+  EXPECT_LT(
+      (tie.Apply(in_grid) - Eigen::Vector2d(690000, 5334000) - 0.9997 * (Eigen::Rotation2Dd(kTurn) * in_grid)).norm(),
+      1e-8);
 }
 
 // Without scale the misfit stays in the residuals: 0.3 per mille of the distance from the centre.
@@ -61,16 +62,19 @@ TEST(SiteTieTest, RefusesWhatIsNoTie) {
 
 TEST(CoordinateReductionTest, CovariancesTurnWithTheGrid) {
   survey::ControlNetwork network;
-  network.points = {{.name = "A", .position_in_site = {0, 0}, .covariance = Eigen::Vector2d(4e-6, 1e-6).asDiagonal()},
-                    {.name = "B", .position_in_site = {100, 10}, .covariance = Eigen::Vector2d(4e-6, 1e-6).asDiagonal()},
-                    {.name = "T", .role = survey::PointRole::kTie}};
+  network.points = {
+      {.name = "A", .position_in_site = {0, 0}, .covariance = Eigen::Vector2d(4e-6, 1e-6).asDiagonal()},
+      {.name = "B", .position_in_site = {100, 10}, .covariance = Eigen::Vector2d(4e-6, 1e-6).asDiagonal()},
+      {.name = "T", .role = survey::PointRole::kTie}};
   network.correlations = {{0, 1, Eigen::Matrix2d{{2e-6, 0}, {0, 0}}}};
   const std::vector<TiePoint> points = TiePoints(1.0);
   ApplySiteTie(FitSiteTie(points, true), points, &network);
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(kTurn).toRotationMatrix();
   EXPECT_LT((network.points[1].position_in_site - points[1].in_projected).norm(), 1e-8);
-  EXPECT_LT((network.points[0].covariance - turn * Eigen::Vector2d(4e-6, 1e-6).asDiagonal() * turn.transpose()).norm(), 1e-14);
-  EXPECT_LT((network.correlations[0].covariance - turn * Eigen::Matrix2d{{2e-6, 0}, {0, 0}} * turn.transpose()).norm(), 1e-14);
+  EXPECT_LT((network.points[0].covariance - turn * Eigen::Vector2d(4e-6, 1e-6).asDiagonal() * turn.transpose()).norm(),
+            1e-14);
+  EXPECT_LT((network.correlations[0].covariance - turn * Eigen::Matrix2d{{2e-6, 0}, {0, 0}} * turn.transpose()).norm(),
+            1e-14);
   EXPECT_TRUE(network.points[2].position_in_site.isZero(0.0)) << "a place known by name only";
   EXPECT_EQ(network.remarks.size(), 5U);
 }

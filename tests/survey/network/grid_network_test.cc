@@ -46,8 +46,10 @@ GridNetwork MakeGrid(int size, GridDatum datum, std::uint64_t seed) {
       const Eigen::Vector3d given =
           use == CoordinateUse::kFixed ? p : Eigen::Vector3d(p.x() + noise(0.05), p.y() + noise(0.05), 0.0);
       grid.truth.push_back(p);
-      grid.network.points.push_back({.name = std::to_string(row) + "." + std::to_string(column), .plane = use,
-                                     .position = given, .plane_known = true});
+      grid.network.points.push_back({.name = std::to_string(row) + "." + std::to_string(column),
+                                     .plane = use,
+                                     .position = given,
+                                     .plane_known = true});
     }
   }
   for (int row = 0; row < size; ++row) {
@@ -58,12 +60,18 @@ GridNetwork MakeGrid(int size, GridDatum datum, std::uint64_t seed) {
         if (to_row < 0 || to_column < 0 || to_row >= size || to_column >= size) return;
         const int to = index(to_row, to_column);
         const Eigen::Vector3d d = grid.truth[static_cast<std::size_t>(to)] - grid.truth[static_cast<std::size_t>(from)];
-        grid.network.observations.push_back({.kind = ObservationKind::kDirection, .from = from, .to = to, .set = set,
+        grid.network.observations.push_back({.kind = ObservationKind::kDirection,
+                                             .from = from,
+                                             .to = to,
+                                             .set = set,
                                              .value = std::atan2(d.x(), d.y()) - orientation + noise(kSigmaDirection),
                                              .sigma = kSigmaDirection});
         if (!with_distance) return;
-        grid.network.observations.push_back({.kind = ObservationKind::kDistance, .from = from, .to = to,
-                                             .value = d.norm() + noise(kSigmaDistance), .sigma = kSigmaDistance});
+        grid.network.observations.push_back({.kind = ObservationKind::kDistance,
+                                             .from = from,
+                                             .to = to,
+                                             .value = d.norm() + noise(kSigmaDistance),
+                                             .sigma = kSigmaDistance});
       };
       observe(row, column + 1, true);
       observe(row + 1, column, true);
@@ -185,9 +193,11 @@ TEST(GridNetworkTest, DISABLED_TenThousandPoints) {
     worst = std::max(worst, (adjustment.points[i].position - grid.truth[i]).norm());
   }
   for (const survey::ObservationResult& o : adjustment.observations) redundancy += o.redundancy;
-  std::printf("%d observations, %d unknowns, %d iterations: %.1f s; worst error %.4f m; sigma zero %.4f; redundancy %.3f of %d\n",
-              adjustment.num_observations, adjustment.num_unknowns, adjustment.iterations, seconds, worst,
-              adjustment.VarianceRatioRoot(), redundancy, adjustment.degrees_of_freedom);
+  std::printf(
+      "%d observations, %d unknowns, %d iterations: %.1f s; worst error %.4f m; sigma zero %.4f; redundancy %.3f of "
+      "%d\n",
+      adjustment.num_observations, adjustment.num_unknowns, adjustment.iterations, seconds, worst,
+      adjustment.VarianceRatioRoot(), redundancy, adjustment.degrees_of_freedom);
   EXPECT_NEAR(redundancy, adjustment.degrees_of_freedom, 1e-3);
 }
 

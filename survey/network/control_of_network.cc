@@ -177,6 +177,10 @@ AdjustedControl AdjustControl(Network network, bool leave_out_undetermined, cons
   }
   result.message = Prepare(&network, leave_out_undetermined, &result.warnings);
   if (result.message.empty()) result.message = AbsurdObservation(network);
+  const bool any_unknown = std::any_of(network.points.begin(), network.points.end(), [](const NetworkPoint& point) {
+    return point.IsUnknown(0) || point.IsUnknown(2);
+  });
+  if (result.message.empty() && !any_unknown) result.message = "no point of the network is to be adjusted";
   if (!result.message.empty()) return result;
   const NetworkAdjustment adjustment = AdjustNetwork(network);
   result.message = adjustment.message;

@@ -2,6 +2,7 @@
 #include "formats/control_source.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "formats/adjusted_gama.h"

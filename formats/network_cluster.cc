@@ -65,7 +65,7 @@ void NetworkClusters::SetCovariance(const std::vector<double>& numbers, int size
   }
 }
 
-void NetworkClusters::End(const std::string& where) {
+void NetworkClusters::End() {
   Cluster& cluster = clusters_.back();
   for (std::size_t i = 0; i < cluster.observations.size(); ++i) {
     Observation& o = cluster.observations[i].observation;
@@ -73,8 +73,7 @@ void NetworkClusters::End(const std::string& where) {
     if (cluster.covariance.size() > 0) o.sigma = std::sqrt(cluster.covariance(row, row));
     if (o.sigma > 0.0) continue;
     throw DataError(cluster.where[i] + "the " + std::string(survey::Name(o.kind)) +
-                    " has no standard deviation, and its cluster (which ends in " + where +
-                    "here) no covariance matrix");
+                    " has no standard deviation, by itself, by default or in a covariance matrix");
   }
 }
 

@@ -29,7 +29,7 @@ class NetworkClusters {
   void Add(NamedObservation observation, const std::string& where);
   // Upper part of the covariance matrix of the cluster's observations, row by row within the band.
   void SetCovariance(const std::vector<double>& numbers, int size, int band, const std::string& where);
-  void End(const std::string& where);
+  void End();
 
   // Observations with points that the network does not have, or does not use in this way, are left out and warned of.
   void MoveInto(survey::Network* network, std::vector<std::string>* warnings);

@@ -78,7 +78,7 @@ class GkfReader {
     if (name == "cov-mat") clusters_.SetCovariance(NumbersOf(text, where), covariance_size_, covariance_band_, where);
     if (name == "obs" || name == "coordinates" || name == "height-differences" || name == "vectors") {
       in_coordinates_ = in_cluster_ = false;
-      clusters_.End(where);
+      clusters_.End();
     }
   }
 

@@ -397,7 +397,7 @@ class StarnetReader {
     }
     if (!in_set_) clusters_.Begin();
     for (const NamedObservation& named : observations) clusters_.Add(named, where_);
-    if (!in_set_) clusters_.End(where_);
+    if (!in_set_) clusters_.End();
   }
 
   NamedObservation Distance(const std::string& from, const std::string& to) {
@@ -519,7 +519,7 @@ class StarnetReader {
     if (!in_set_) Fail("a direction set begins with DB");
     if (code == "DE") {
       in_set_ = false;
-      clusters_.End(where_);
+      clusters_.End();
       return;
     }
     const std::string target = Word("the target");

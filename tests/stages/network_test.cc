@@ -234,12 +234,12 @@ TEST_F(NetworkAdjustmentTest, ObservationsBecomeControlWithCovariances) {
 // Distances on the ground are longer than on a grid of factor 0.9996, unless the coordinates are ground ones too.
 TEST_F(NetworkAdjustmentTest, GroundDistancesAreReduced) {
   std::string text = kGkf;
-  for (const auto& [from, to] : {std::pair("70.7107", "70.7390"),
-                                 {"111.8035", "111.8482"},
-                                 {"111.8030", "111.8477"},
-                                 {"70.7110", "70.7393"},
-                                 {"111.8033", "111.8480"},
-                                 {"50.0010", "50.0210"}}) {
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{{"70.7107", "70.7390"},
+                                                                                 {"111.8035", "111.8482"},
+                                                                                 {"111.8030", "111.8477"},
+                                                                                 {"70.7110", "70.7393"},
+                                                                                 {"111.8033", "111.8480"},
+                                                                                 {"50.0010", "50.0210"}}) {
     text.replace(text.find(from), std::string(from).size(), to);
   }
   Write("n.gkf", text);

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
+#include <utility>
 
 #include "survey/control/coordinate_reduction.h"
 
@@ -17,7 +19,8 @@ constexpr double kTurn = 0.3;
 // A grid turned by 0.3 rad, scaled by 0.9997, far away.
 std::vector<TiePoint> TiePoints(double scale) {
   std::vector<TiePoint> points;
-  for (const Eigen::Vector2d grid : {Eigen::Vector2d(0, 0), {100, 10}, {80, 90}, {-5, 60}}) {
+  for (const auto& [x, y] : std::vector<std::pair<double, double>>{{0, 0}, {100, 10}, {80, 90}, {-5, 60}}) {
+    const Eigen::Vector2d grid(x, y);
     const Eigen::Rotation2Dd turn(kTurn);
     points.push_back({"T", grid, Eigen::Vector2d(690000, 5334000) + scale * (turn * grid)});
   }

@@ -55,7 +55,7 @@ GridNetwork MakeGrid(int size, GridDatum datum, std::uint64_t seed) {
   for (int row = 0; row < size; ++row) {
     for (int column = 0; column < size; ++column) {
       const int set = grid.network.num_sets++, from = index(row, column);
-      const double orientation = 2.0 * M_PI * (draw % 97) / 97.0;
+      const double orientation = 2.0 * M_PI * static_cast<double>(draw % 97) / 97.0;
       const auto observe = [&](int to_row, int to_column, bool with_distance) {
         if (to_row < 0 || to_column < 0 || to_row >= size || to_column >= size) return;
         const int to = index(to_row, to_column);

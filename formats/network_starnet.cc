@@ -15,6 +15,7 @@
 #include "formats/line_reader.h"
 #include "formats/network_cluster.h"
 #include "formats/network_file.h"
+#include "formats/starnet_line.h"
 #include "formats/text_encoding.h"
 #include "formats/text_numbers.h"
 
@@ -48,8 +49,8 @@ class StarnetReader {
         text = Utf8OfLatin1(text);
         latin = true;
       }
-      where_ = lines.Where() + ": ";
-      ReadLine(text);
+      line_ = StarnetLine(lines.Where() + ": ", std::move(text));
+      ReadLine();
     }
     if (latin) result_.warnings.push_back(file_.string() + ": is not UTF-8; read as Latin-1");
     if (in_set_) Fail("the direction set is not ended by DE");
@@ -69,98 +70,34 @@ class StarnetReader {
   }
 
  private:
-  [[noreturn]] void Fail(const std::string& what) const { throw DataError(where_ + what); }
+  [[noreturn]] void Fail(const std::string& rule) const { line_.Fail(rule); }
+  double Length(const std::string& what) { return line_.Number(what) * metres_per_unit_; }
 
-  // ------------------------------------------------------------------------------------------------- words of a line
-
-  void ReadLine(std::string text) {
-    text = text.substr(0, text.find('#'));
-    text = text.substr(0, text.find('\''));
-    words_.clear();
-    next_ = 0;
-    for (std::size_t begin = text.find_first_not_of(" \t"); begin != std::string::npos;
-         begin = text.find_first_not_of(" \t", begin)) {
-      const std::size_t end = std::min(text.find_first_of(" \t", begin), text.size());
-      words_.push_back(text.substr(begin, end - begin));
-      begin = end;
+  void ReadLine() {
+    if (!line_.More()) return;
+    const std::string code = Upper(line_.Word("the type"));
+    if (code.starts_with(".")) {
+      ReadOption(code);
+    } else if (data_on_) {
+      ReadData(code);
+    } else {
+      return;
     }
-    if (words_.empty()) return;
-    const std::string code = Upper(words_[next_++]);
-    if (code.starts_with(".")) return ReadOption(code);
-    if (!data_on_) return;
-    ReadData(code);
-    if (next_ < words_.size()) Fail("\"" + words_[next_] + "\" is one value too many for a line of type " + code);
-  }
-
-  bool More() const { return next_ < words_.size(); }
-
-  const std::string& Word(const std::string& what) {
-    if (!More()) Fail(what + " is missing");
-    return words_[next_++];
-  }
-
-  double Number(const std::string& what) {
-    const std::string& text = Word(what);
-    const std::optional<double> value = ParseNumber(text);
-    if (!value) Fail(what + " = \"" + text + "\": " + WhyNotANumber(text));
-    return *value;
-  }
-
-  double Length(const std::string& what) { return Number(what) * metres_per_unit_; }
-
-  double Angle(const std::string& what) {
-    const std::string& text = Word(what);
-    std::optional<double> angle = ParseDms(text);
-    if (!angle && text.find_first_not_of("0123456789") == std::string::npos) {
-      angle = ParseNumber(text).value_or(0.0) * kRadPerDegree;
-    }
-    if (!angle) Fail(what + " = \"" + text + "\": must be degrees-minutes-seconds, as 123-45-06.7");
-    return *angle;
-  }
-
-  // N12-30-20E, or an azimuth.
-  double Bearing(const std::string& what) {
-    const std::string text = Upper(Word(what));
-    const char first = text.front(), last = text.back();
-    if (first != 'N' && first != 'S') {
-      --next_;
-      return Angle(what);
-    }
-    const std::optional<double> angle = text.size() > 2 ? ParseDms(text.substr(1, text.size() - 2)) : std::nullopt;
-    if (!angle || (last != 'E' && last != 'W')) Fail(what + " = \"" + text + "\": must be as N12-30-20E");
-    const double east = last == 'E' ? *angle : -*angle;
-    return first == 'N' ? east : M_PI - east;
-  }
-
-  std::vector<std::string> Stations(std::size_t count) {
-    const std::string& text = Word("the names of the stations");
-    std::vector<std::string> names(1);
-    for (const char c : text) {
-      if (c == separator_) {
-        names.emplace_back();
-      } else {
-        names.back() += c;
-      }
-    }
-    if (names.size() != count) {
-      Fail("\"" + text + "\": expected " + std::to_string(count) + " station names with \"" + separator_ +
-           "\" between");
-    }
-    return names;
+    line_.RefuseMore(code);
   }
 
   // A standard deviation in `unit`, or the default; nothing for a free one (*).
   std::optional<double> Sigma(double default_sigma, double unit, const std::string& option) {
-    if (More() && words_[next_].find('/') == std::string::npos) {
-      const std::string& text = words_[next_++];
-      if (text == "!") return kFixedSigma;
-      if (text == "*") return std::nullopt;
-      if (text != "&") {
-        --next_;
-        const double sigma = Number("standard deviation");
+    if (line_.More() && line_.Peek().find('/') == std::string::npos) {
+      const std::string text = line_.Peek();
+      if (text != "!" && text != "*" && text != "&") {
+        const double sigma = line_.Number("standard deviation");
         if (sigma <= 0.0) Fail("standard deviation = " + text + ": must be positive");
         return sigma * unit;
       }
+      line_.Word("standard deviation");
+      if (text == "!") return kFixedSigma;
+      if (text == "*") return std::nullopt;
     }
     if (default_sigma <= 0.0) Fail("has no standard deviation, and the option " + option + " gives no default");
     return default_sigma;
@@ -187,8 +124,8 @@ class StarnetReader {
 
   // "1.55/1.60": heights of instrument and target, at the line's end.
   void ReadHeights(std::vector<NamedObservation>* observations) {
-    if (!More() || words_[next_].find('/') == std::string::npos) return;
-    const std::string text = words_[next_++];
+    if (!line_.More() || line_.Peek().find('/') == std::string::npos) return;
+    const std::string text = line_.Word("heights");
     const std::size_t slash = text.find('/');
     const std::optional<double> instrument = ParseNumber(text.substr(0, slash)),
                                 target = ParseNumber(text.substr(slash + 1));
@@ -214,7 +151,7 @@ class StarnetReader {
     } else if (code == ".DATA") {
       data_on_ = OnOff();
     } else if (code == ".SEP" || code == ".SEPARATOR") {
-      const std::string& text = Word("the separator");
+      const std::string& text = line_.Word("the separator");
       if (text.size() != 1) Fail("\"" + text + "\": the separator is one character");
       separator_ = text[0];
     } else if (code == ".END") {
@@ -227,7 +164,7 @@ class StarnetReader {
   }
 
   bool OnOff() {
-    const std::string text = Upper(Word("ON or OFF"));
+    const std::string text = Upper(line_.Word("ON or OFF"));
     if (text != "ON" && text != "OFF") Fail("\"" + text + "\": must be ON or OFF");
     return text == "ON";
   }
@@ -238,8 +175,8 @@ class StarnetReader {
                                                            {"FEET", kMetresPerFoot},
                                                            {"INTERNATIONALFEET", kMetresPerFoot},
                                                            {"USFEET", kMetresPerUsFoot}};
-    while (More()) {
-      const std::string text = Upper(words_[next_++]);
+    while (line_.More()) {
+      const std::string text = Upper(line_.Word("a word"));
       if (const auto found = kLengths.find(text); found != kLengths.end()) {
         metres_per_unit_ = found->second;
         units_known_ = true;
@@ -250,8 +187,8 @@ class StarnetReader {
   }
 
   void ReadOrder() {
-    while (More()) {
-      const std::string text = Upper(words_[next_++]);
+    while (line_.More()) {
+      const std::string text = Upper(line_.Word("a word"));
       if (text == "NE" || text == "EN") {
         north_first_ = text == "NE";
       } else if (text == "ATFROMTO" || text == "FROMATTO") {
@@ -281,7 +218,7 @@ class StarnetReader {
     if (code == "DB" || code == "DN" || code == "DM" || code == "DE") return ReadSet(code);
     if (code == "SS") {
       ++num_sideshots_;
-      next_ = words_.size();
+      line_.SkipRest();
       return;
     }
     Fail("lines of type " + code + " are not known here");
@@ -296,7 +233,7 @@ class StarnetReader {
     if (!clusters_.HasPoint(name)) {
       survey::NetworkPoint point{.name = name, .plane = CoordinateUse::kAdjusted};
       if (dimensions_ == 3) point.height = CoordinateUse::kAdjusted;
-      clusters_.AddPoint(point, where_);
+      clusters_.AddPoint(point, line_.where());
       has_plane_.emplace(name, false);
     }
     return *clusters_.Point(name);
@@ -304,8 +241,8 @@ class StarnetReader {
 
   // The state that !, *, & or a number in the place of a coordinate's standard deviation says; a number is returned.
   std::optional<double> CoordinateSigma(CoordinateUse* use) {
-    if (!More()) return std::nullopt;
-    const std::string& text = words_[next_++];
+    if (!line_.More()) return std::nullopt;
+    const std::string& text = line_.Word("standard deviation");
     if (text == "!") *use = CoordinateUse::kFixed;
     if (text == "!" || text == "*" || text == "&") return std::nullopt;
     const std::optional<double> sigma = ParseNumber(text);
@@ -324,11 +261,12 @@ class StarnetReader {
 
   void ReadCoordinates() {
     if (!north_first_) {
-      const std::string name = Word("the station"), a = Word("a coordinate"), b = Word("a coordinate");
+      const std::string name = line_.Word("the station"), a = line_.Word("a coordinate"),
+                        b = line_.Word("a coordinate");
       Fail("the order of coordinates must be told: station " + name + " has north " + a + ", east " + b +
            " with .ORDER NE, or north " + b + ", east " + a + " with .ORDER EN");
     }
-    const std::string name = Word("the station");
+    const std::string name = line_.Word("the station");
     const double first = Length("the first coordinate"), second = Length("the second coordinate");
     survey::NetworkPoint& point = PointOf(name);
     if (point.plane_known) Fail("station " + name + " has coordinates already");
@@ -354,7 +292,7 @@ class StarnetReader {
   }
 
   void ReadElevation() {
-    const std::string name = Word("the station");
+    const std::string name = line_.Word("the station");
     survey::NetworkPoint& point = PointOf(name);
     point.position.z() = Length("the elevation");
     point.height_known = true;
@@ -366,7 +304,7 @@ class StarnetReader {
 
   // At, from, to in the order of the file.
   std::array<std::string, 3> Three() {
-    std::vector<std::string> names = Stations(3);
+    std::vector<std::string> names = line_.Names(3, separator_);
     if (!at_first_) std::swap(names[0], names[1]);
     return {names[0], names[1], names[2]};
   }
@@ -396,7 +334,7 @@ class StarnetReader {
       }
     }
     if (!in_set_) clusters_.Begin();
-    for (const NamedObservation& named : observations) clusters_.Add(named, where_);
+    for (const NamedObservation& named : observations) clusters_.Add(named, line_.where());
     if (!in_set_) clusters_.End();
   }
 
@@ -409,7 +347,7 @@ class StarnetReader {
 
   NamedObservation Vertical(const std::string& from, const std::string& to) {
     if (delta_) return Named(ObservationKind::kHeightDifference, from, to, Length("the difference of height"));
-    return Named(ObservationKind::kZenithAngle, from, to, Angle("the zenith angle"));
+    return Named(ObservationKind::kZenithAngle, from, to, line_.Angle("the zenith angle"));
   }
 
   std::optional<double> VerticalSigma() { return delta_ ? LevelSigma(1.0) : ZenithSigma(); }
@@ -417,9 +355,10 @@ class StarnetReader {
   // D, V, DV, B, BM: values first, then their standard deviations, then heights.
   void ReadBetween(bool with_distance, bool with_vertical, bool with_bearing) {
     if (with_vertical && dimensions_ == 2) Fail("vertical observations need .3D");
-    const std::vector<std::string> names = Stations(2);
+    const std::vector<std::string> names = line_.Names(2, separator_);
     std::vector<NamedObservation> values;
-    if (with_bearing) values.push_back(Named(ObservationKind::kAzimuth, names[0], names[1], Bearing("the bearing")));
+    if (with_bearing)
+      values.push_back(Named(ObservationKind::kAzimuth, names[0], names[1], line_.Bearing("the bearing")));
     if (with_distance) values.push_back(Distance(names[0], names[1]));
     if (with_vertical) values.push_back(Vertical(names[0], names[1]));
     AddWithSigmas(std::move(values));
@@ -452,14 +391,14 @@ class StarnetReader {
 
   void ReadAngle() {
     const std::array<std::string, 3> names = Three();
-    NamedObservation named = Named(ObservationKind::kAngle, names[0], names[1], Angle("the angle"));
+    NamedObservation named = Named(ObservationKind::kAngle, names[0], names[1], line_.Angle("the angle"));
     named.fore = names[2];
     AddWithSigmas({named});
   }
 
   // Angle, distance and, in 3D, the vertical observation to a station.
   void ReadMeasured(const std::array<std::string, 3>& at_from_to) {
-    NamedObservation angle = Named(ObservationKind::kAngle, at_from_to[0], at_from_to[1], Angle("the angle"));
+    NamedObservation angle = Named(ObservationKind::kAngle, at_from_to[0], at_from_to[1], line_.Angle("the angle"));
     angle.fore = at_from_to[2];
     std::vector<NamedObservation> values = {angle, Distance(at_from_to[0], at_from_to[2])};
     if (dimensions_ == 3) values.push_back(Vertical(at_from_to[0], at_from_to[2]));
@@ -469,16 +408,16 @@ class StarnetReader {
   // TB names the backsight, each T the next station and what is measured there, TE closes on the last station.
   void ReadTraverse(const std::string& code) {
     if (code == "TB") {
-      traverse_back_ = Word("the backsight");
+      traverse_back_ = line_.Word("the backsight");
       traverse_at_.clear();
       return;
     }
     if (traverse_back_.empty()) Fail("a traverse begins with TB");
-    const std::string station = Word("the station");
+    const std::string station = line_.Word("the station");
     if (code == "TE") {
-      if (More()) {  // a closing angle to a foresight
-        NamedObservation angle = Named(ObservationKind::kAngle, station, traverse_back_, Angle("the angle"));
-        angle.fore = Word("the foresight");
+      if (line_.More()) {  // a closing angle to a foresight
+        NamedObservation angle = Named(ObservationKind::kAngle, station, traverse_back_, line_.Angle("the angle"));
+        angle.fore = line_.Word("the foresight");
         AddWithSigmas({angle});
       }
       EndTraverseLeg(station);
@@ -487,22 +426,17 @@ class StarnetReader {
     }
     EndTraverseLeg(station);
     traverse_at_ = station;
-    leg_words_.assign(words_.begin() + static_cast<std::ptrdiff_t>(next_), words_.end());
-    leg_where_ = where_;
-    next_ = words_.size();
+    leg_ = line_;
+    line_.SkipRest();
   }
 
   // What a T line measured can be told only when the next line names the station it went to.
   void EndTraverseLeg(const std::string& next_station) {
     if (traverse_at_.empty()) return;
-    std::swap(words_, leg_words_);
-    std::swap(where_, leg_where_);
-    const std::size_t next = std::exchange(next_, 0);
+    std::swap(line_, leg_);
     ReadMeasured({traverse_at_, traverse_back_, next_station});
-    if (More()) Fail("\"" + words_[next_] + "\" is one value too many for a line of type T");
-    std::swap(words_, leg_words_);
-    std::swap(where_, leg_where_);
-    next_ = next;
+    line_.RefuseMore("T");
+    std::swap(line_, leg_);
     traverse_back_ = traverse_at_;
     traverse_at_.clear();
   }
@@ -510,7 +444,7 @@ class StarnetReader {
   void ReadSet(const std::string& code) {
     if (code == "DB") {
       if (in_set_) Fail("the direction set before is not ended by DE");
-      set_station_ = Word("the station");
+      set_station_ = line_.Word("the station");
       PointOf(set_station_);
       clusters_.Begin();
       in_set_ = true;
@@ -522,9 +456,9 @@ class StarnetReader {
       clusters_.End();
       return;
     }
-    const std::string target = Word("the target");
+    const std::string target = line_.Word("the target");
     std::vector<NamedObservation> values = {
-        Named(ObservationKind::kDirection, set_station_, target, Angle("the direction"))};
+        Named(ObservationKind::kDirection, set_station_, target, line_.Angle("the direction"))};
     if (code == "DM") {
       values.push_back(Distance(set_station_, target));
       if (dimensions_ == 3) values.push_back(Vertical(set_station_, target));
@@ -535,12 +469,12 @@ class StarnetReader {
   // L from-to difference [length of the line in km (miles with feet)] [standard deviation]
   void ReadLevelled() {
     if (dimensions_ == 2) Fail("levelled height differences need .3D");
-    const std::vector<std::string> names = Stations(2);
+    const std::vector<std::string> names = line_.Names(2, separator_);
     NamedObservation named =
         Named(ObservationKind::kHeightDifference, names[0], names[1], Length("the difference of height"));
     double length_km = 1.0;
-    if (More()) {
-      length_km = Number("the length of the line") * (metres_per_unit_ == 1.0 ? 1.0 : kKmPerMile);
+    if (line_.More()) {
+      length_km = line_.Number("the length of the line") * (metres_per_unit_ == 1.0 ? 1.0 : kKmPerMile);
       if (length_km <= 0.0) Fail("the length of the line must be positive (km, or miles with feet)");
     }
     std::vector<NamedObservation> observations;
@@ -552,9 +486,7 @@ class StarnetReader {
   const StarnetSigmas& defaults_;
   NetworkFile result_;
   NetworkClusters clusters_;
-  std::string where_;
-  std::vector<std::string> words_;
-  std::size_t next_ = 0;
+  StarnetLine line_;
   bool ended_ = false;
   bool data_on_ = true;
   bool units_known_ = false;
@@ -567,8 +499,8 @@ class StarnetReader {
   bool in_set_ = false;
   std::string set_station_;
   std::map<std::string, bool> has_plane_;
-  std::string traverse_back_, traverse_at_, leg_where_;
-  std::vector<std::string> leg_words_;
+  std::string traverse_back_, traverse_at_;
+  StarnetLine leg_;  // what was measured at traverse_at_
   int num_sideshots_ = 0;
 };
 

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <numbers>
 
+#include "survey/sensors/odometry_track.h"
+
 namespace survey {
 namespace {
 
@@ -73,10 +75,17 @@ void MoveConstraints(const Stretch& stretch, Track* track) {
   }
 }
 
+// At both ends, beside the IMU.
+bool HasOdometry(const Session& session, const Stretch& stretch) {
+  const OdometryTrack odometry(session.odometry, 0.5);
+  return odometry.At(session.scans[stretch.begin].stamp_ns) && odometry.At(session.scans[stretch.end - 1].stamp_ns);
+}
+
 void AddUnmatched(const Session& session, const Stretch& stretch, Track* track) {
   const double seconds = Seconds(session.scans[stretch.end - 1].stamp_ns - session.scans[stretch.begin - 1].stamp_ns);
   const double blind = SecondsBy(Prediction::kConstantVelocity, session, *track, stretch);
-  const double inertial = SecondsBy(Prediction::kInertial, session, *track, stretch);
+  const bool wheels = HasOdometry(session, stretch);
+  const double inertial = wheels ? 0.0 : SecondsBy(Prediction::kInertial, session, *track, stretch);
   std::string cause = "odometry_only";
   if (blind > kLongestConstantVelocity_s || inertial > kLongestInertial_s) {
     cause = "break";

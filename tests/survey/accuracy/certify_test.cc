@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace survey {
 namespace {
 
@@ -70,6 +72,26 @@ TEST(CertifyTest, KeepsTheLevelsApart) {
   EXPECT_FALSE(c.blocks[1].relative);
   ASSERT_EQ(c.stitching.pairs.size(), 1U);
   EXPECT_NEAR(c.stitching.rms, std::hypot(0.02, 0.04), 1e-9);
+}
+
+TEST(CertifyTest, ABrokenTrackIsListedAndNotDemonstrated) {
+  CertifyInput input = Input();
+  input.class_m = 1.0;  // which all checks meet
+  const Certificate sound = Certify(input);
+  EXPECT_TRUE(sound.statement.meets.value());
+  input.blocks[1].solution.breaks = {{ScanId{17}, "80 scans without a match in the map, 2.0 s"}};
+  input.blocks[1].solution.navigation = {.inertial_s = 10, .constant_velocity_s = 3, .unmatched_s = 2};
+  const Certificate broken = Certify(input);
+  EXPECT_TRUE(broken.statement.meets.value());
+  EXPECT_FALSE(broken.statement.demonstrated.value());
+  EXPECT_TRUE(broken.blocks[0].breaks.empty());
+  ASSERT_EQ(broken.blocks[1].breaks.size(), 1U);
+  EXPECT_EQ(broken.blocks[1].navigated.constant_velocity, 3.0);
+  const auto told = std::count_if(broken.not_tested.begin(), broken.not_tested.end(), [](const std::string& sentence) {
+    return sentence.starts_with("Block B2 may be broken at scan 17: 80 scans without a match in the map, 2.0 s.");
+  });
+  EXPECT_EQ(told, 1);
+  EXPECT_EQ(broken.not_tested.size(), sound.not_tested.size() + 1);
 }
 
 TEST(CertifyTest, StatesTheFeaturesAndJudgesByTheWorstTest) {

@@ -13,6 +13,7 @@
 #include "survey/network/adjustment.h"
 #include "survey/network/approximations.h"
 #include "survey/network/network_checks.h"
+#include "tests/support/paths.h"
 
 namespace {
 
@@ -20,7 +21,7 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> Files() {
   std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(fs::path(PLUMBLINE_SOURCE_DIR) / "tests/networks")) {
+  for (const auto& entry : fs::directory_iterator(test_support::SourceFolder() / "tests/networks")) {
     if (entry.path().extension() == ".dat") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());

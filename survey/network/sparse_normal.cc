@@ -55,8 +55,8 @@ void SparseNormal::FindUndetermined() {
   const Eigen::VectorXd pivots = factor_->vectorD();
   Eigen::Index p = 0;
   if (pivots.size() == 0 || pivots.minCoeff(&p) > kSingularPivot) return;
-  const Eigen::VectorXd unit = Eigen::VectorXd::Unit(pivots.size(), p);
-  const Eigen::VectorXd z = factor_->matrixU().solve(unit);
+  Eigen::VectorXd z = Eigen::VectorXd::Unit(pivots.size(), p);
+  factor_->matrixU().solveInPlace(z);
   undetermined_ = Spread(factor_->permutationPinv() * z);
   undetermined_ /= undetermined_.cwiseAbs().maxCoeff();
 }

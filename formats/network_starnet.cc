@@ -412,17 +412,16 @@ class StarnetReader {
     }
     if (traverse_back_.empty()) Fail("a traverse begins with TB");
     const std::string station = line_.Word("the station");
+    EndTraverseLeg(station);
     if (code == "TE") {
       if (line_.More()) {  // a closing angle to a foresight
         NamedObservation angle = Named(ObservationKind::kAngle, station, traverse_back_, line_.Angle("the angle"));
         angle.fore = line_.Word("the foresight");
         AddWithSigmas({angle});
       }
-      EndTraverseLeg(station);
       traverse_back_.clear();
       return;
     }
-    EndTraverseLeg(station);
     traverse_at_ = station;
     leg_ = line_;
     line_.SkipRest();

@@ -138,10 +138,10 @@ TEST(GridScaleTest, UtmAndHeight) {
   const formats::GridScale on_meridian = formats::GridScaleAt("EPSG:25832", {500000, 5334000}, 0.0);
   EXPECT_NEAR(on_meridian.projection, 0.9996, 1e-9);
   EXPECT_EQ(on_meridian.height, 1.0);
-  // k = k0 (1 + (E')2 / (2 R2)) with E' = 180 km / k0, R at 48 degrees.
+  // k = k0 (1 + (E')2 / (2 R2)) with E' = 180 km / k0, R = 6380.45 km at 48.2 degrees.
   EXPECT_NEAR(formats::GridScaleAt("EPSG:25832", {680000, 5334000}, 0.0).projection,
-              0.9996 * (1 + 0.5 * std::pow(180000 / 0.9996 / 6382000, 2)), 2e-7);
-  EXPECT_NEAR(formats::GridScaleAt("EPSG:25832", {500000, 5334000}, 638.2).height, 1 / 1.0001, 1e-8);
+              0.9996 * (1 + 0.5 * std::pow(180000 / 0.9996 / 6380450, 2)), 2e-7);
+  EXPECT_NEAR(formats::GridScaleAt("EPSG:25832", {500000, 5334000}, 638.045).height, 1 / 1.0001, 1e-8);
   // A low-distortion projection: scale one at the height of the site.
   const std::string ldp = "+proj=tmerc +lat_0=48 +lon_0=11.5 +k=1.00008 +x_0=10000 +y_0=20000 +ellps=GRS80 +units=m";
   EXPECT_NEAR(formats::GridScaleAt(ldp, {10000, 20000}, 510.6).Combined(), 1.0, 1e-7);

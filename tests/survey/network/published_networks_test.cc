@@ -16,7 +16,6 @@
 #include "formats/xml_stream.h"
 #include "survey/network/adjustment.h"
 #include "survey/network/approximations.h"
-#include "survey/network/network_checks.h"
 #include "survey/network/observation_equation.h"
 #include "tests/support/real_data.h"
 
@@ -165,33 +164,6 @@ std::string TestName(const testing::TestParamInfo<fs::path>& info) {
 
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PublishedNetworkTest);
 INSTANTIATE_TEST_SUITE_P(Gama, PublishedNetworkTest, testing::ValuesIn(PublishedNetworks()), TestName);
-
-// A railway survey of 833 points and 3,694 observations, with approximate coordinates of all points and of 95.
-TEST(PublishedNetworks, RailwaySurveyFromFewApproximateCoordinates) {
-  const auto with = test_support::RealData("gama/railway-survey-with-aproximate-xy.gkf");
-  const auto without = test_support::RealData("gama/railway-survey.gkf");
-  if (!with || !without) GTEST_SKIP() << "no data in ../shared/data/gama";
-  std::map<std::string, Eigen::Vector3d> positions;
-  double chi_square = 0.0;
-  for (const fs::path& file : {*with, *without}) {
-    survey::Network network = formats::ReadGkf(file).network;
-    const std::vector<int> missing = survey::ComputeApproximations(&network);
-    ASSERT_TRUE(missing.empty()) << survey::ListedNames(network, missing);
-    const NetworkAdjustment adjustment = AdjustNetwork(network);
-    ASSERT_TRUE(adjustment.usable) << adjustment.message;
-    if (positions.empty()) {
-      chi_square = adjustment.chi_square;
-      for (std::size_t i = 0; i < network.points.size(); ++i) {
-        positions[network.points[i].name] = adjustment.points[i].position;
-      }
-      continue;
-    }
-    EXPECT_NEAR(adjustment.chi_square, chi_square, 1e-6 * chi_square);
-    for (std::size_t i = 0; i < network.points.size(); ++i) {
-      EXPECT_LT((adjustment.points[i].position - positions[network.points[i].name]).norm(), kTenthMm);
-    }
-  }
-}
 
 TEST(PublishedNetworks, AreThere) {
   if (PublishedNetworks().empty()) GTEST_SKIP() << "no data in ../shared/data/gama";

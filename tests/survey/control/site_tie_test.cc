@@ -55,8 +55,8 @@ TEST(SiteTieTest, ThreeParametersKeepTheScale) {
 
 TEST(SiteTieTest, RefusesWhatIsNoTie) {
   std::vector<TiePoint> points = TiePoints(1.0);
-  EXPECT_FALSE(FitSiteTie({points[0]}, false).usable);
-  EXPECT_FALSE(FitSiteTie({points[0], points[0]}, false).usable);
+  EXPECT_FALSE(survey::FitSiteTie({points[0]}, false).usable);
+  EXPECT_FALSE(survey::FitSiteTie({points[0], points[0]}, false).usable);
   for (TiePoint& point : points) std::swap(point.in_grid.x(), point.in_grid.y());
   const SiteTie exchanged = FitSiteTie(points, true);
   EXPECT_FALSE(exchanged.usable);

@@ -4,6 +4,7 @@
 // distances to two of them.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <chrono>
 #include <cmath>
 

@@ -175,7 +175,10 @@ TEST_F(BadInputTest, Configuration) {
             {"block.toml:", "point-spacng-m: unknown key"}},
            {"site.toml", appended("[trak]\n"), 2, {"site.toml:", "trak", "did you mean"}},
            {"blocks/A/block.toml", appended("[grid]\nmax-range-m = \"far\""), 2, {"block.toml:", "max-range-m"}},
-           {"blocks/A/block.toml", appended("[grid]\nmax-range-m = -3"), 2, {"max-range-m", "-3"}}}) {
+           {"blocks/A/block.toml",
+            appended("[grid]\nmax-range-m = -3"),
+            2,
+            {"block.toml:6", "max-range-m", "at least 1"}}}) {
     ExpectTold(mistake);
   }
 }

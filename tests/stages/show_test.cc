@@ -26,7 +26,7 @@ TEST(Show, EveryKindOfArtefactAsText) {
     const CommandResult result = RunCommand({"plumbline-show", file});
     EXPECT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(result.err, "");
-    EXPECT_TRUE(result.out.starts_with(file + ": " + artefact.name + ", format version 1")) << result.out;
+    EXPECT_TRUE(result.out.starts_with(file + ": " + artefact.name + ", format version ")) << result.out;
     EXPECT_NE(result.out.find("\nmade by stage2 0.1.0, record "), std::string::npos);
     EXPECT_NE(result.out.find("\nfrom stage0 0.1.0, record "), std::string::npos);
     for (const char c : result.out) ASSERT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20);

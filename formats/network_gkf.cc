@@ -23,6 +23,7 @@ using survey::Observation;
 using survey::ObservationKind;
 
 constexpr double kMm = 1e-3;
+constexpr double kSigmaApr = 10.0;  // where the file does not say
 constexpr double kCc = 1e-4 * kRadPerGon;
 constexpr double kArcSecond = kRadPerDegree / 3600.0;
 
@@ -33,7 +34,7 @@ struct DistanceSigma {
 
 class GkfReader {
  public:
-  explicit GkfReader(const std::filesystem::path& file) : file_(file) {}
+  explicit GkfReader(const std::filesystem::path& file) : file_(file) { result_.network.sigma_zero = kSigmaApr; }
 
   NetworkFile Read() {
     const XmlHandlers handlers = {.start = [this](XmlElement& element) { Start(element); },
@@ -100,7 +101,7 @@ class GkfReader {
 
   void ReadParameters(XmlElement& element) {
     survey::Network& network = result_.network;
-    network.sigma_zero = element.Number("sigma-apr", 10.0);
+    network.sigma_zero = element.Number("sigma-apr", kSigmaApr);
     if (network.sigma_zero <= 0.0) element.Fail("sigma-apr must be positive");
     network.confidence = element.Number("conf-pr", 0.95);
     if (network.confidence <= 0.0 || network.confidence >= 1.0) element.Fail("conf-pr must lie between 0 and 1");

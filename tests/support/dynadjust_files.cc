@@ -126,9 +126,8 @@ class Reader {
   void AddStation(const std::string& line) {
     const std::vector<std::string> words = Words(line);
     index_[words.at(0)] = static_cast<int>(result_.network.points.size());
-    // Latitude, longitude and height have one digit more than the geocentric coordinates.
-    double x = 0.0, y = 0.0, z = 0.0;
-    Earth().Forward(PackedDegrees(words.at(2)), PackedDegrees(words.at(3)), std::stod(words.at(5)), x, y, z);
+    // Geocentric coordinates have 0.1 mm as their last digit, latitude and longitude 0.3 mm.
+    const double x = std::stod(words.at(6)), y = std::stod(words.at(7)), z = std::stod(words.at(8));
     const CoordinateUse use = words.at(1) == "CCC" ? CoordinateUse::kFixed : CoordinateUse::kAdjusted;
     result_.network.points.push_back(
         {.name = words.at(0), .plane = use, .height = use, .plane_known = true, .height_known = true});

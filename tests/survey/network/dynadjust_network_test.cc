@@ -15,8 +15,7 @@ namespace {
 
 constexpr double kArcSecond = M_PI / 180.0 / 3600.0;
 
-// Not yet as near as the networks of Gama: the levelled height differences differ by up to 0.04 of their sigma, which
-// moves the points by up to 0.28 mm and the variance factor by 4.4e-4 of itself.
+// The bounds hold with constrained coordinates that are wrong by the rounding of the printed ones.
 void ExpectExpected(const test_support::DynAdjustNetwork& data, const survey::NetworkAdjustment& ours) {
   ASSERT_TRUE(ours.usable) << ours.message;
   double farthest = 0.0;

@@ -18,7 +18,7 @@ std::optional<double> ParseDms(std::string_view text) {
   for (; count < parts.size() && !text.empty(); ++count) {
     const std::size_t dash = std::min(text.find('-'), text.size());
     const std::optional<double> part = ParseNumber(text.substr(0, dash));
-    if (!part || *part < 0.0 || (count > 0 && *part > 60.0)) return std::nullopt;
+    if (!part || *part < 0.0 || (count == 1 && *part >= 60.0) || (count == 2 && *part > 60.0)) return std::nullopt;
     const bool last = dash == text.size();
     if (!last && *part != std::floor(*part)) return std::nullopt;
     parts[count] = *part;

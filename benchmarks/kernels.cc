@@ -95,7 +95,7 @@ void RunMatch(int runs) {
 void RunBranchAndBound(int runs) {
   const Scans scans(361);
   const survey::OccupancyPyramid map = MapOf(scans, 4);
-  const survey::SlidingMaximumGrids grids(map, 0, 6);
+  const survey::SlidingMaximumGrids grids(map, 0, 6, 1.5);
   for (int run = 0; run < runs; ++run) {
     survey::Pose2 centre = PoseOfScan(run % kNumScans);
     centre.x += 0.8;

@@ -127,18 +127,15 @@ ErrorTransition ErrorStateFilter::PropagateCovariance() {
   return passed;
 }
 
-template <int N>
-bool ErrorStateFilter::Update(const Eigen::Matrix<double, N, 15>& design, const Eigen::Matrix<double, N, 1>& residual,
-                              const Eigen::Matrix<double, N, N>& noise, double gate) {
-  const Eigen::Matrix<double, 15, N> crossed = covariance_ * design.transpose();
-  const Eigen::Matrix<double, N, N> innovation = design * crossed + noise;
-  const Eigen::LLT<Eigen::Matrix<double, N, N>> factor(innovation);
+bool ErrorStateFilter::Update(const Design& design, const Residual& residual, const Noise& noise, double gate) {
+  const Design crossed = design * covariance_;  // transposed
+  const Eigen::LLT<Noise> factor(crossed * design.transpose() + noise);
   if (factor.info() != Eigen::Success) return false;
-  const Eigen::Matrix<double, N, 1> weighted = factor.solve(residual);
+  const Residual weighted = factor.solve(residual);
   if (!(residual.dot(weighted) <= gate)) return false;
-  state_ = Plus(state_, crossed * weighted);
+  state_ = Plus(state_, crossed.transpose() * weighted);
   // P - K S K^T as a product with its own transpose, so that P stays symmetric.
-  const Eigen::Matrix<double, N, 15> root = factor.matrixL().solve(crossed.transpose());
+  const Design root = factor.matrixL().solve(crossed);
   covariance_.noalias() -= root.transpose() * root;
   return true;
 }
@@ -159,7 +156,7 @@ bool ErrorStateFilter::UpdatePlanarPose(const Pose2& local_from_frame, const Mat
   const double heading = HeadingOf(state_.local_from_body) + body_from_frame.theta;
   const Vector3d residual(local_from_frame.x - place.x(), local_from_frame.y - place.y(),
                           NormalizeAngle(local_from_frame.theta - heading));
-  return Update<3>(PlanarPoseDesign(state_, body_from_frame), residual, covariance, kGate3);
+  return Update(PlanarPoseDesign(state_, body_from_frame), residual, covariance, kGate3);
 }
 
 Eigen::Matrix<double, 2, 15> BodyVelocityDesign(const InertialState& state) {
@@ -172,15 +169,15 @@ Eigen::Matrix<double, 2, 15> BodyVelocityDesign(const InertialState& state) {
 
 bool ErrorStateFilter::UpdateBodyVelocity(const Eigen::Vector2d& v_in_body, double sigma_m_s) {
   const Vector3d v = state_.local_from_body.conjugate() * state_.v_in_local;
-  return Update<2>(BodyVelocityDesign(state_), v_in_body - v.head<2>(),
+  return Update(BodyVelocityDesign(state_), v_in_body - v.head<2>(),
                    sigma_m_s * sigma_m_s * Eigen::Matrix2d::Identity(), kGate2);
 }
 
 bool ErrorStateFilter::UpdateLevelVelocity(double sigma_m_s) {
-  Eigen::Matrix<double, 1, 15> design = Eigen::Matrix<double, 1, 15>::Zero();
+  Design design = Design::Zero(1, 15);
   design(0, kV + 2) = 1.0;
-  return Update<1>(design, Eigen::Matrix<double, 1, 1>(-state_.v_in_local.z()),
-                   Eigen::Matrix<double, 1, 1>(sigma_m_s * sigma_m_s), kGate1);
+  return Update(design, Residual::Constant(1, -state_.v_in_local.z()), Noise::Constant(1, 1, sigma_m_s * sigma_m_s),
+                kGate1);
 }
 
 bool ErrorStateFilter::UpdateStandstill(double sigma_m_s, const Vector3d& mean_rate, double seconds) {
@@ -193,7 +190,7 @@ bool ErrorStateFilter::UpdateStandstill(double sigma_m_s, const Vector3d& mean_r
   const double rate_variance = noise_.gyro_noise_rad_s_rthz * noise_.gyro_noise_rad_s_rthz / seconds;
   Eigen::Matrix<double, 6, 1> variances;
   variances << Vector3d::Constant(sigma_m_s * sigma_m_s), Vector3d::Constant(rate_variance);
-  return Update<6>(design, residual, Eigen::Matrix<double, 6, 6>(variances.asDiagonal()), kGate6);
+  return Update(design, residual, Eigen::Matrix<double, 6, 6>(variances.asDiagonal()), kGate6);
 }
 
 void ErrorStateFilter::SetPlanarPose(const Pose2& local_from_body, const Matrix3d& covariance) {

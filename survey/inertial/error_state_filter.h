@@ -90,9 +90,11 @@ class ErrorStateFilter {
   const ErrorMatrix& covariance() const { return covariance_; }
 
  private:
-  template <int N>
-  bool Update(const Eigen::Matrix<double, N, 15>& design, const Eigen::Matrix<double, N, 1>& residual,
-              const Eigen::Matrix<double, N, N>& noise, double gate);
+  // Of an observation of up to 6 numbers. Sized at run time: templates by size would take a minute to compile.
+  using Design = Eigen::Matrix<double, Eigen::Dynamic, 15, 0, 6, 15>;
+  using Residual = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6, 1>;
+  using Noise = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;
+  bool Update(const Design& design, const Residual& residual, const Noise& noise, double gate);
 
   InertialState state_;
   ErrorMatrix covariance_;

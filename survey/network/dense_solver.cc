@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/network/dense_solver.h"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 
 namespace survey {
 namespace {
 
-constexpr double kRank = 1e-9;  // of singular values of the equilibrated matrix, relative to the largest
+constexpr double kRank = 1e-9;  // of pivots of the equilibrated matrix, relative to the largest
 
 }  // namespace
 
@@ -17,16 +17,17 @@ DenseSolution SolveDense(const LinearSystem& system, const std::vector<bool>& de
   Eigen::VectorXd scale = jacobian.colwise().norm().transpose();
   for (double& s : scale) s = s > 0.0 ? 1.0 / s : 1.0;
   jacobian *= scale.asDiagonal();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(jacobian, Eigen::ComputeThinU | Eigen::ComputeFullV);
-  Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > kRank * svd.singularValues()[0]) ++rank;
-  solution.defect = static_cast<int>(jacobian.cols() - rank);
-  const Eigen::MatrixXd range =
-      scale.asDiagonal() * svd.matrixV().leftCols(rank) * svd.singularValues().head(rank).cwiseInverse().asDiagonal();
-  Eigen::VectorXd total = shift_so_far + range * (svd.matrixU().leftCols(rank).transpose() * system.Misclosures());
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(kRank);
+  decomposition.compute(jacobian);
+  solution.defect = static_cast<int>(jacobian.cols() - decomposition.rank());
+  const Eigen::MatrixXd range = scale.asDiagonal() * decomposition.pseudoInverse();
+  Eigen::VectorXd total = shift_so_far + range * system.Misclosures();
   Eigen::MatrixXd root = range;  // cofactors = root root'
   if (solution.defect > 0) {
-    const Eigen::MatrixXd null = scale.asDiagonal() * svd.matrixV().rightCols(solution.defect);
+    const Eigen::MatrixXd unscaled =
+        decomposition.colsPermutation() * decomposition.matrixZ().bottomRows(solution.defect).transpose();
+    const Eigen::MatrixXd null = scale.asDiagonal() * unscaled;
     Eigen::MatrixXd defining = null;
     for (Eigen::Index k = 0; k < null.rows(); ++k) {
       if (!defines[static_cast<std::size_t>(k)]) defining.row(k).setZero();

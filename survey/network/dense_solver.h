@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The second solver, for small networks and as a check of the first: singular value decomposition of the whole design
-// matrix, the rank by its singular values, the datum through its null space. It shares the observation equations with
+// The second solver, for small networks and as a check of the first: complete orthogonal decomposition of the whole
+// design matrix, the rank by its pivots, the datum through its null space. It shares the observation equations with
 // the sparse solver, but neither the normal equations nor the knowledge of shifts and rotations.
 #pragma once
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/accuracy/circular_error.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "survey/accuracy/distributions.h"
+#include "survey/geometry/principal_axes.h"
 
 namespace survey {
 namespace {
@@ -22,9 +22,9 @@ struct PrincipalError {
 };
 
 PrincipalError ToPrincipalAxes(const Eigen::Vector2d& mean, const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-  const Eigen::Vector2d turned = solver.eigenvectors().transpose() * mean;
-  const Eigen::Vector2d sigmas = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const PrincipalAxes principal = PrincipalAxesOf(covariance);
+  const Eigen::Vector2d turned = principal.axes.transpose() * mean;
+  const Eigen::Vector2d sigmas = principal.values.cwiseMax(0.0).cwiseSqrt();
   return {turned.y(), turned.x(), sigmas.y(), sigmas.x()};
 }
 

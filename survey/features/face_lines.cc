@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/features/face_lines.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "survey/geometry/principal_axes.h"
 #include "survey/grid/faces.h"
 
 namespace survey {
@@ -137,9 +137,8 @@ std::optional<FaceLine> FitBand(const std::vector<FaceCell>& cells, const Band& 
   for (const std::size_t i : used) {
     scatter += cells[i].weight * (cells[i].p - mean) * (cells[i].p - mean).transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(scatter / weight);
   FaceLine line;
-  line.normal = eigen.eigenvectors().col(0);
+  line.normal = PrincipalAxesOf(scatter / weight).axes.col(0);
   if (line.normal.dot(towards) < 0) line.normal = -line.normal;
   line.begin = band.begin;
   line.end = band.end;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/grid/seams.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cstdlib>
 
+#include "survey/geometry/principal_axes.h"
 #include "survey/grid/faces.h"
 
 namespace survey {
@@ -173,9 +174,9 @@ std::optional<SeamPatch> MeasureWindow(const FaceImage& first, const FaceImage& 
   const double quality = agreement.Quality(agreement.At(peak.x(), peak.y()));
   if (quality < min_quality) return std::nullopt;
   const Parabola parabola = FitParabola(agreement, peak);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(parabola.curvature);
-  const double weak = eigen.eigenvalues()(0);
-  const double strong = eigen.eigenvalues()(1);
+  const PrincipalAxes principal = PrincipalAxesOf(parabola.curvature);
+  const double weak = principal.values[0];
+  const double strong = principal.values[1];
   if (strong <= 0) return std::nullopt;
   SeamPatch patch;
   patch.quality = std::min(quality, 1.0);
@@ -187,7 +188,7 @@ std::optional<SeamPatch> MeasureWindow(const FaceImage& first, const FaceImage& 
     patch.offset = cell_size_m * (peak.cast<double>() + parabola.curvature.ldlt().solve(parabola.gradient));
     patch.weight = parabola.curvature;
   } else {
-    const Eigen::Vector2d across = eigen.eigenvectors().col(1);
+    const Eigen::Vector2d across = principal.axes.col(1);
     patch.directions = 1;
     patch.offset = cell_size_m * across * (across.dot(peak.cast<double>()) + across.dot(parabola.gradient) / strong);
     patch.weight = strong * across * across.transpose();
@@ -209,8 +210,8 @@ void CombinePatches(Seam* seam) {
     squares += patch.offset.squaredNorm();
     ++full;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(normal);
-  if (eigen.eigenvalues()(0) > 0 && eigen.eigenvalues()(0) >= kMinCurvatureRatio / 2 * eigen.eigenvalues()(1))
+  const Eigen::Vector2d strengths = PrincipalAxesOf(normal).values;
+  if (strengths[0] > 0 && strengths[0] >= kMinCurvatureRatio / 2 * strengths[1])
     seam->offset = normal.ldlt().solve(right);
   if (full > 0) seam->rms_m = std::sqrt(squares / full);
 }

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/network/adjustment.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "survey/accuracy/distributions.h"
+#include "survey/geometry/principal_axes.h"
 #include "survey/network/datum.h"
 #include "survey/network/dense_solver.h"
 #include "survey/network/nonlinear_solver.h"
@@ -263,13 +264,13 @@ class Adjuster {
 }  // namespace
 
 ErrorEllipse EllipseOf(const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance);
-  const Eigen::Vector2d major = eigen.eigenvectors().col(1);
+  const PrincipalAxes principal = PrincipalAxesOf(covariance);
+  const Eigen::Vector2d major = principal.axes.col(1);
   double azimuth = std::atan2(major.x(), major.y());
   if (azimuth < 0.0) azimuth += M_PI;
   if (azimuth >= M_PI) azimuth -= M_PI;
-  return {.semi_major = std::sqrt(std::max(0.0, eigen.eigenvalues()[1])),
-          .semi_minor = std::sqrt(std::max(0.0, eigen.eigenvalues()[0])),
+  return {.semi_major = std::sqrt(std::max(0.0, principal.values[1])),
+          .semi_minor = std::sqrt(std::max(0.0, principal.values[0])),
           .azimuth = azimuth};
 }
 

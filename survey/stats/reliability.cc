@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/stats/reliability.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <cmath>
 #include <limits>
+
+#include "survey/geometry/principal_axes.h"
 
 namespace survey {
 namespace {
@@ -38,7 +40,7 @@ double MinimalDetectableBias(const Eigen::Matrix2d& covariance, const Eigen::Mat
                              double non_centrality) {
   const Eigen::Matrix2d weight = covariance.inverse();
   const Eigen::Matrix2d controlled = weight * residual_covariance * weight;
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(controlled).eigenvalues()[0];
+  const double least = PrincipalAxesOf(controlled).values[0];
   if (least <= kUncontrolled * weight.trace()) return std::numeric_limits<double>::infinity();
   return std::sqrt(non_centrality / least);
 }

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
+
+#include "survey/geometry/principal_axes.h"
 
 namespace survey {
 namespace {
@@ -17,6 +20,20 @@ TEST(FitRigid, RecoversTheMotionAndTheScaleThatSeparatesTheSets) {
   ASSERT_TRUE(fit);
   EXPECT_NEAR(fit->target_from_source.theta, truth.theta, 1e-9);
   EXPECT_NEAR(fit->similarity_scale, 1.0002, 1e-9);
+}
+
+TEST(PrincipalAxes, RebuildTheMatrix) {
+  for (const double degrees : {-80.0, 0.0, 17.0, 45.0, 90.0}) {
+    const double angle = degrees * M_PI / 180.0;
+    const Eigen::Vector2d major(std::cos(angle), std::sin(angle));
+    const Eigen::Vector2d minor(-major.y(), major.x());
+    const Eigen::Matrix2d matrix = 9.0 * major * major.transpose() - 2.0 * minor * minor.transpose();
+    const PrincipalAxes principal = PrincipalAxesOf(matrix);
+    EXPECT_NEAR(principal.values[0], -2.0, 1e-12);
+    EXPECT_NEAR(principal.values[1], 9.0, 1e-12);
+    EXPECT_NEAR(std::abs(principal.axes.col(1).dot(major)), 1.0, 1e-12);
+    EXPECT_NEAR((principal.axes.transpose() * principal.axes - Eigen::Matrix2d::Identity()).norm(), 0.0, 1e-12);
+  }
 }
 
 TEST(FitRigid, IsStationaryUnderSmallMotions) {

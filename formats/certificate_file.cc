@@ -75,12 +75,21 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockCertificate, name, tied, num_scans, path
                                    num_control_marks, rigid_scale, sigma_zero, degrees_of_freedom, fit_rms,
                                    rigid_fit_rms, points, features, relative, navigated, breaks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingPair, block_a, block_b, feature, difference)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamSummary, block_a, block_b, overlap_area_m2, num_windows, rms, contradicted_share)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamSummary, block_a, block_b, overlap_area_m2, num_windows, rms, contradicted_share,
+                                   sigmas, contradicts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingAccuracy, pairs, rms, max, seams)
+NLOHMANN_JSON_SERIALIZE_ENUM(PointFate, {{PointFate::kMoved, "moved"},
+                                         {PointFate::kAdded, "added"},
+                                         {PointFate::kRemoved, "removed"},
+                                         {PointFate::kOtherRole, "other role"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DeliveredPoint, name, role, position)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ControlChange, name, fate, before, now, shift, map_shift)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockChange, name, num_poses, mean_shift, rms_shift, max_shift, place_of_max)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DeliveryChanges, control, blocks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, control_adjustment,
                                    control_remarks, blocks, fit, checks, points_test, features_test, stitching,
-                                   not_tested)
+                                   since_delivery, not_tested)
 
 }  // namespace survey
 
@@ -90,7 +99,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "plumbline-certificate";
-constexpr int kVersion = 2;
+constexpr int kVersion = 3;
 
 }  // namespace
 

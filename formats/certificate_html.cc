@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "formats/certificate_changes.h"
 #include "formats/certificate_figures.h"
 #include "formats/certificate_style.h"
 #include "formats/html.h"
@@ -243,14 +244,27 @@ std::string BlocksSection(const Certificate& c) {
            "note");
 }
 
+std::string SigmasText(const survey::SeamSummary& seam) {
+  if (!seam.contradicts) return kDash;
+  const std::string sigmas = seam.sigmas ? Fixed(*seam.sigmas, 1) : kDash;
+  return *seam.contradicts ? sigmas + " <b class=\"red\">contradiction</b>" : sigmas;
+}
+
 std::string SeamsText(const Certificate& c) {
   if (c.stitching.seams.empty()) return "";
-  HtmlTable table({"blocks", "overlap (m&sup2;)", "places measured", "RMS offset (mm)", "walls contradicted"}, 1);
+  HtmlTable table({"blocks", "overlap (m&sup2;)", "places measured", "RMS offset (mm)", "sigmas", "walls contradicted"},
+                  1);
   for (const survey::SeamSummary& seam : c.stitching.seams) {
     table.Row({Escaped(seam.block_a) + " &ndash; " + Escaped(seam.block_b), Fixed(seam.overlap_area_m2, 0),
-               std::to_string(seam.num_windows), Mm(seam.rms), Fixed(100 * seam.contradicted_share, 1) + " %"});
+               std::to_string(seam.num_windows), Mm(seam.rms), SigmasText(seam),
+               Fixed(100 * seam.contradicted_share, 1) + " %"},
+              seam.contradicts.value_or(false) ? "flag" : "");
   }
-  return "<h3>Walls of overlapping maps</h3>" + table.Text();
+  return "<h3>Walls of overlapping maps</h3>" + table.Text() +
+         P("Sigmas: the mean offset over its standard deviation by the two adjustments. Contradiction: it, or more "
+           "places "
+           "than chance allows, is beyond their covariance (0.1 %).",
+           "note");
 }
 
 std::string StitchingSection(const Certificate& c) {
@@ -433,6 +447,7 @@ std::string CertificateHtml(const CertificatePage& page) {
   std::string html = Head(page) + StatementSection(c);
   if (c.tied) html += SignatureSection();
   html += TestedSection(c) + NotTestedSection(c);
+  if (c.since_delivery) html += ChangesSection(*c.since_delivery);
   html += MapSection(page) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) + FitSection(c) +
           ControlListSection(c) + ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();

@@ -4,11 +4,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "formats/provenance.h"
 #include "formats/raster_file.h"
+#include "survey/accuracy/seam_test.h"
 #include "survey/grid/seams.h"
 
 namespace formats {
@@ -23,6 +25,7 @@ struct BlockSeam {
   std::string first;
   std::string second;
   survey::Seam seam;
+  std::optional<survey::SeamVerdict> verdict;  // against the covariances of the two blocks
 };
 
 struct SeamsReport {
@@ -31,6 +34,10 @@ struct SeamsReport {
   std::vector<StitchedBlock> blocks;
   std::vector<BlockSeam> seams;  // pairs of tied blocks that overlap
 };
+
+// seams.geojson: each window's offset as a line, kOffsetEnlargement times its length, with its numbers.
+constexpr double kOffsetEnlargement = 100.0;
+void WriteSeamsLayer(const std::filesystem::path& file, const SeamsReport& report);
 
 void WriteSeams(const std::filesystem::path& file, const SeamsReport& report, const Provenance& provenance);
 

@@ -9,7 +9,8 @@
 # PLUMBLINE_THREADS limits the threads of each stage (0: all cores) and never changes a result.
 #
 # When does a stage run again? Its stamp, work/.stamps/[BLOCK-]STAGE, holds the command that last succeeded and bears the
-# time at which it began. The stage runs when
+# time at which it began; beside it, STAMP.toml keeps the slice that it ran with (see below), for `plumbline status`.
+# The stage runs when
 #   - an input is newer than the stamp. Outputs that come out identical keep their time stamps, so an unchanged result
 #     stops the chain there. For files that people supply, work/.sources/FILE stands in: `plumbline configure` rewrites
 #     it whenever size or time of FILE changes in any direction (an older version put back counts as a change);
@@ -54,6 +55,7 @@ $(eval slice := work/$(if $(2),$(2)/)config/$(1).toml)
 $(eval plumbline.runs += $(run))
 $(eval $(run).stage := $(1))
 $(eval $(run).block := $(2))
+$(eval $(run).slice := $(slice))
 $(eval $(run).inputs := $(slice) $(3))
 $(eval $(run).outputs := $(4))
 $(eval $(run).command := plumbline-$(1) $(strip $(5)) --config $(slice))
@@ -63,8 +65,9 @@ endef
 define stage-rules
 work/.stamps/$(3): $($(3).inputs) $(call changed-command,$(3)) $(call missing-output,$(3))
 	$$(info $(strip $(2) $(1)))$$(file >work/.stamps/.$(3),$($(3).command))
+	$$(file >work/.stamps/.$(3).toml,$$(file <$($(3).slice)))
 	@$$(LAUNCH) $($(3).command) --log logs/$(3).log --threads $$(PLUMBLINE_THREADS)
-	@mv -f work/.stamps/.$(3) work/.stamps/$(3)
+	@mv -f work/.stamps/.$(3).toml work/.stamps/$(3).toml && mv -f work/.stamps/.$(3) work/.stamps/$(3)
 $($(3).outputs): work/.stamps/$(3) ; @:
 $(1): $($(3).outputs)
 endef
@@ -82,6 +85,8 @@ points := $(sort $(filter-out $(beside-control),$(wildcard $(addprefix control/*
 roles := $(wildcard control/roles.csv)
 grid-tie := $(wildcard control/grid-tie.csv)
 features := $(wildcard control/features.csv)
+# What `plumbline deliver` noted, both files or none.
+delivered := $(if $(and $(wildcard delivered/control.csv),$(wildcard delivered/poses.csv)),delivered/control.csv delivered/poses.csv)
 edits := $(sort $(wildcard edits/*.geojson))
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
@@ -129,15 +134,16 @@ picture-of = $(1).png $(1).pgw $(1).png.aux.xml
 
 $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(blocks),solution.sqlite),\
   $(if $(site-map),$(site-map) $(call picture-of,out/site) $(addprefix out/ros/,map.yaml map_local.yaml map.pgm))\
-  $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json,\
+  $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json out/seams.geojson,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
 $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
-  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json,\
+  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json $(call source,$(delivered)),\
   out/certificate.json,\
   --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
   $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
-  --seams out/seams.json --output out/certificate.json)
+  --seams out/seams.json $(if $(delivered),--delivered-control delivered/control.csv --delivered-poses delivered/poses.csv)\
+  --output out/certificate.json)
 
 $(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\
   --certificate out/certificate.json $(addprefix --site-map ,$(site-map))\

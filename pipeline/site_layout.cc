@@ -71,7 +71,7 @@ std::vector<std::string> BlocksOf(const fs::path& site) {
 
 std::vector<fs::path> SuppliedFiles(const fs::path& site) {
   std::vector<fs::path> files;
-  for (const char* folder : {"control", "blocks", "edits"}) Collect(site, folder, &files);
+  for (const char* folder : {"control", "blocks", "edits", "delivered"}) Collect(site, folder, &files);
   std::sort(files.begin(), files.end());
   return files;
 }

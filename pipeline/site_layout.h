@@ -19,8 +19,8 @@ bool IsPlainName(const std::string& name);
 // Names of the folders in blocks/, sorted.
 std::vector<std::string> BlocksOf(const std::filesystem::path& site);
 
-// Relative paths of all files that people supply: everything below control/, blocks/ and edits/ but hidden files;
-// sorted. DataError names a file whose name make cannot handle and a link that leads nowhere.
+// Relative paths of all files that people supply: everything below control/, blocks/, edits/ and delivered/ but hidden
+// files; sorted. DataError names a file whose name make cannot handle and a link that leads nowhere.
 std::vector<std::filesystem::path> SuppliedFiles(const std::filesystem::path& site);
 
 }  // namespace pipeline

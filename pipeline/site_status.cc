@@ -5,25 +5,19 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
-#include <set>
 #include <sstream>
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "pipeline/site_lock.h"
+#include "pipeline/stale_reason.h"
 #include "pipeline/subprocess.h"
+#include "pipeline/words.h"
 
 namespace pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::vector<std::string> Words(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
 
 StageRunInfo RunFromLine(const std::string& line) {
   std::vector<std::string> fields;
@@ -31,52 +25,6 @@ StageRunInfo RunFromLine(const std::string& line) {
   for (std::string field; std::getline(in, field, '|');) fields.push_back(field);
   if (fields.size() != 6) throw formats::DataError("make graph: cannot be understood: " + line);
   return {fields[0], fields[1], fields[2], Words(fields[3]), Words(fields[4]), fields[5]};
-}
-
-// "work/.sources/control/points.csv" is control/points.csv to people.
-std::string NameForPeople(const std::string& input) {
-  static const std::string kSources = "work/.sources/";
-  return input.starts_with(kSources) ? input.substr(kSources.size()) : input;
-}
-
-bool IsSlice(const std::string& input) { return input.starts_with("work/") && input.ends_with(".toml"); }
-
-// "now with a b, without c": how the command differs from the one that last succeeded.
-std::string CommandChange(const std::string& before, const std::string& now) {
-  const std::vector<std::string> words_before = Words(before);
-  const std::vector<std::string> words_now = Words(now);
-  const auto missing_in = [](const std::vector<std::string>& words, const std::vector<std::string>& others) {
-    const std::set<std::string> known(others.begin(), others.end());
-    std::string text;
-    for (const std::string& word : words) {
-      if (!known.contains(word)) text += " " + word;
-    }
-    return text;
-  };
-  const std::string added = missing_in(words_now, words_before);
-  const std::string removed = missing_in(words_before, words_now);
-  if (added.empty() && removed.empty()) return "its inputs come in another order";
-  return (added.empty() ? "" : "now with" + added) + (added.empty() || removed.empty() ? "" : ", ") +
-         (removed.empty() ? "" : "no longer with" + removed);
-}
-
-// Why make would run it again, looking at this run alone; nothing when it would not.
-std::optional<std::string> WhyStale(const fs::path& site, const StageRunInfo& run) {
-  const fs::path stamp = site / "work" / ".stamps" / run.name;
-  if (!fs::exists(stamp)) return "never finished";
-  for (const std::string& output : run.outputs) {
-    if (!fs::exists(site / output)) return output + " is missing";
-  }
-  const std::string before = formats::ReadWholeFile(stamp);
-  const std::string done = before.substr(0, before.find_last_not_of('\n') + 1);
-  if (done != run.command) return CommandChange(done, run.command);
-  for (const std::string& input : run.inputs) {
-    if (!fs::exists(site / input)) return NameForPeople(input) + " is not there yet";
-    if (fs::last_write_time(site / input) <= fs::last_write_time(stamp)) continue;
-    if (IsSlice(input)) return "its options or the program changed (" + input + ")";
-    return NameForPeople(input) + " changed";
-  }
-  return std::nullopt;
 }
 
 // True when the log tells of an attempt later than the last success.
@@ -106,6 +54,21 @@ const char* Word(RunState state) {
       return "running";
   }
   return "";
+}
+
+// What `plumbline run` would do: runs that are stale by themselves, and those that follow unless nothing comes out
+// anew.
+std::string NextRun(const std::vector<RunStatus>& statuses) {
+  std::string sure;
+  std::string perhaps;
+  for (const RunStatus& status : statuses) {
+    if (status.state == RunState::kDone || status.state == RunState::kRunning) continue;
+    std::string& list = status.state == RunState::kWaiting ? perhaps : sure;
+    list += (list.empty() ? "" : ", ") + status.run.Title();
+  }
+  if (!sure.empty()) sure = "a run does: " + sure + "\n";
+  if (!perhaps.empty()) perhaps = "and where that brings new results: " + perhaps + "\n";
+  return sure + perhaps;
 }
 
 }  // namespace
@@ -182,7 +145,8 @@ std::string StatusText(const std::vector<RunStatus>& statuses) {
     text += line + "\n";
     if (status.state == RunState::kDone) ++done;
   }
-  return text + std::to_string(done) + " of " + std::to_string(statuses.size()) + " stage runs are up to date\n";
+  return text + NextRun(statuses) + std::to_string(done) + " of " + std::to_string(statuses.size()) +
+         " stage runs are up to date\n";
 }
 
 }  // namespace pipeline

@@ -9,6 +9,7 @@
 
 #include "formats/artefacts.h"
 #include "formats/certificate_file.h"
+#include "formats/delivery_csv.h"
 #include "formats/features_csv.h"
 #include "formats/seam_summary.h"
 #include "pipeline/stage.h"
@@ -23,6 +24,7 @@ struct CertifyFiles {
   std::vector<NamedFile> features;
   std::filesystem::path feature_list;
   std::filesystem::path seams;
+  std::filesystem::path delivered_control, delivered_poses;
   std::filesystem::path output;
 };
 
@@ -67,6 +69,28 @@ survey::CertifyInput ReadInput(const CertifyFiles& files) {
   return input;
 }
 
+// What the site rests on now, every scan.
+survey::Delivery DeliveryNow(const CertifyFiles& files, const survey::CertifyInput& input) {
+  survey::Delivery now{.points = formats::PointsOfDelivery(input.network), .poses = {}};
+  for (const survey::CertifiedBlock& block : input.blocks) {
+    const std::vector<survey::DeliveredPose> poses = formats::PosesOfDelivery(
+        block.name, block.solution, formats::ReadScanStamps(SolutionOf(block.name, files)), 0.0);
+    now.poses.insert(now.poses.end(), poses.begin(), poses.end());
+  }
+  return now;
+}
+
+std::optional<survey::DeliveryChanges> ChangesSinceDelivery(const CertifyFiles& files,
+                                                            const survey::CertifyInput& input) {
+  if (files.delivered_control.empty() != files.delivered_poses.empty()) {
+    throw formats::UsageError("--delivered-control and --delivered-poses belong together");
+  }
+  if (files.delivered_control.empty()) return std::nullopt;
+  const survey::Delivery before{.points = formats::ReadDeliveredControl(files.delivered_control),
+                                .poses = formats::ReadDeliveredPoses(files.delivered_poses)};
+  return survey::CompareDeliveries(before, DeliveryNow(files, input));
+}
+
 std::string Summary(const survey::Certificate& certificate) {
   if (!certificate.tied) return "no block is tied to control: nothing is certified";
   std::string text = "not tested: no checks";
@@ -89,7 +113,8 @@ void Run(const CertifyFiles& files, survey::CertifyInput input, pipeline::StageR
     for (const std::string& contradiction : contradictions) message += (message.empty() ? "" : ": ") + contradiction;
     throw formats::DataError(message);
   }
-  const survey::Certificate certificate = survey::Certify(input);
+  survey::Certificate certificate = survey::Certify(input);
+  certificate.since_delivery = ChangesSinceDelivery(files, input);
   formats::WriteCertificate(files.output, certificate, run.Provenance());
   run.Message(Summary(certificate));
 }
@@ -112,6 +137,10 @@ int main(int argc, char** argv) {
   stage.OptionalInput("feature-list", &files.feature_list, "surveyed coordinates of the check features (CSV)",
                       pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("seams", &files.seams, "seams.json of the stitched site");
+  stage.OptionalInput("delivered-control", &files.delivered_control, "control at the last delivery (CSV)",
+                      pipeline::Content::kTextWithoutComments);
+  stage.OptionalInput("delivered-poses", &files.delivered_poses, "the platform at the last delivery (CSV)",
+                      pipeline::Content::kTextWithoutComments);
   stage.Output("output", &files.output, "certificate.json to write");
   stage.Option("site-title", &site_title, "title of the site on the certificate");
   stage.Option("accuracy-class-m", &class_m, "class to certify: largest RMSE_H (m); 0: none asked for",

@@ -15,6 +15,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "pipeline/deliver_site.h"
 #include "pipeline/nearest.h"
 #include "pipeline/new_site.h"
 #include "pipeline/site_config.h"
@@ -23,6 +24,7 @@
 #include "pipeline/stage.h"
 #include "pipeline/stage_program.h"
 #include "pipeline/subprocess.h"
+#include "pipeline/words.h"
 
 namespace {
 
@@ -38,6 +40,8 @@ constexpr const char* kHelp = R"(Plumbline makes georeferenced indoor maps from 
                      bring everything up to date, or a TARGET: a stage, a block, a file
   plumbline status SITE
                      what is done, what is stale and why, what failed
+  plumbline deliver SITE
+                     note that the results were handed over: later certificates tell what changed since
   plumbline show FILE | check FILE
                      print or verify any result
   plumbline STAGE ...
@@ -56,8 +60,7 @@ std::vector<std::string> ListInGraph(const fs::path& graph, const std::string& v
   std::istringstream lines(formats::ReadWholeFile(graph));
   for (std::string line; std::getline(lines, line);) {
     if (!line.starts_with(variable + " := ")) continue;
-    std::istringstream words(line.substr(variable.size() + 4));
-    return {std::istream_iterator<std::string>(words), {}};
+    return pipeline::Words(line.substr(variable.size() + 4));
   }
   throw DataError(graph.string() + ": no " + variable);
 }
@@ -200,6 +203,20 @@ int Status(const Arguments& arguments) {
   return 0;
 }
 
+int Deliver(const Arguments& arguments) {
+  fs::path site;
+  CLI::App app("Note that the results were handed over: later certificates tell what changed since.",
+               "plumbline deliver");
+  app.add_option("SITE", site, "the site's folder");
+  app.footer("Example:\n  plumbline deliver office && git -C office add delivered");
+  if (!Parse(app, arguments)) return 0;
+  CheckIsSite(site);
+  PutOwnFolderFirstOnPath();
+  pipeline::DeliverSite(site);
+  std::cerr << "plumbline: noted in " << (site / "delivered").string() << "\n";
+  return 0;
+}
+
 // Called by plumbline.mk before anything else, in the site's folder.
 int Configure(const Arguments& arguments) {
   std::string of_blocks;
@@ -210,12 +227,8 @@ int Configure(const Arguments& arguments) {
   app.add_option("--site-stages", of_site, "stages that run once")->required();
   app.add_option("--make-pid", make, "keep other makes away until this process ends");
   if (!Parse(app, arguments)) return 0;
-  const auto words = [](const std::string& text) {
-    std::istringstream in(text);
-    return std::vector<std::string>{std::istream_iterator<std::string>(in), {}};
-  };
   if (make > 0) pipeline::LockSiteUntilEndOf(".", make);
-  pipeline::ConfigureSite(".", AskStages(words(of_blocks), words(of_site), "work/.programs"));
+  pipeline::ConfigureSite(".", AskStages(pipeline::Words(of_blocks), pipeline::Words(of_site), "work/.programs"));
   return 0;
 }
 
@@ -234,7 +247,7 @@ int RunStage(const std::string& stage, const Arguments& arguments,
 
 int Dispatch(const Arguments& arguments) {
   static const std::map<std::string, std::function<int(const Arguments&)>> kCommands = {
-      {"new", New}, {"run", Run}, {"status", Status}, {"configure", Configure}};
+      {"new", New}, {"run", Run}, {"status", Status}, {"deliver", Deliver}, {"configure", Configure}};
   if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h" || arguments[0] == "help") {
     std::cout << kHelp << "\nStages: " << pipeline::Joined(pipeline::InstalledStages(pipeline::OwnFolder())) << "\n";
     return arguments.empty() ? 2 : 0;

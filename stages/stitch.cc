@@ -6,10 +6,12 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "formats/artefacts.h"
 #include "formats/raster_file.h"
 #include "formats/seams_file.h"
 #include "pipeline/descent.h"
 #include "pipeline/stage.h"
+#include "survey/accuracy/seam_test.h"
 #include "survey/grid/mosaic.h"
 #include "survey/grid/seams.h"
 
@@ -22,15 +24,20 @@ struct BlockMap {
   fs::path file;
   survey::SiteRaster raster;
   formats::RasterLabel label;
+  survey::Solution solution;
 };
 
-// Each block's map must descend from the solution that is given for it.
-void RequireSolution(const BlockMap& block, const std::vector<pipeline::NamedFile>& solutions) {
+// An offset between two rasters is read to about this part of a cell, 1 sigma.
+constexpr double kReadingSigmaCells = 0.2;
+
+// The solution that is given for the block; its map must descend from it.
+survey::Solution SolutionOf(const BlockMap& block, const std::vector<pipeline::NamedFile>& solutions) {
   const auto solution = std::find_if(solutions.begin(), solutions.end(),
                                      [&](const pipeline::NamedFile& named) { return named.name == block.name; });
   if (solution == solutions.end())
     throw formats::UsageError("--solution " + block.name + "=FILE is missing beside --map " + block.name + "=FILE");
   pipeline::RequireDescent(block.file, solution->file);
+  return formats::ReadSolution(solution->file);
 }
 
 void RequireSameRaster(const BlockMap& a, const BlockMap& b) {
@@ -51,7 +58,7 @@ std::vector<BlockMap> ReadMaps(const std::vector<pipeline::NamedFile>& maps,
   for (const pipeline::NamedFile& map : maps) {
     BlockMap block{.name = map.name, .file = map.file};
     block.raster = formats::ReadRaster(map.file, &block.label);
-    RequireSolution(block, solutions);
+    block.solution = SolutionOf(block, solutions);
     for (const BlockMap& other : blocks) {
       if (other.name == block.name) throw formats::UsageError("--map " + block.name + " is given twice");
     }
@@ -96,11 +103,25 @@ std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& b
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     for (std::size_t j = i + 1; j < blocks.size(); ++j) {
       survey::Seam seam = survey::CompareMaps(blocks[i]->raster, blocks[j]->raster, options);
-      if (seam.overlap_area_m2 > 0) seams.push_back({blocks[i]->name, blocks[j]->name, std::move(seam)});
+      if (seam.overlap_area_m2 > 0) {
+        const auto verdict = survey::JudgeSeam(seam, blocks[i]->solution, blocks[j]->solution,
+                                               kReadingSigmaCells * blocks[i]->raster.cell_size_m);
+        seams.push_back({blocks[i]->name, blocks[j]->name, std::move(seam), verdict});
+      }
       progress.Advance(++done);
     }
   }
   return seams;
+}
+
+std::string ContradictionText(const formats::BlockSeam& seam) {
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      " contradict each other beyond their covariance: mean offset %.1f sigmas, %d of %zu windows beyond; see "
+      "seams.geojson",
+      seam.verdict->ratio.value_or(0.0), seam.verdict->num_beyond, seam.seam.patches.size());
+  return "blocks " + seam.first + " and " + seam.second + text;
 }
 
 void Summarize(const std::vector<formats::BlockSeam>& seams, pipeline::StageRun& run) {
@@ -115,6 +136,7 @@ void Summarize(const std::vector<formats::BlockSeam>& seams, pipeline::StageRun&
                     one.seam.overlap_area_m2);
     }
     run.Message(one.first + " - " + one.second + text);
+    if (one.verdict && one.verdict->contradicts) run.Warn(ContradictionText(one));
   }
 }
 
@@ -129,7 +151,7 @@ int main(int argc, char** argv) {
   survey::SeamOptions seam_options;
   stage.NamedInputs("map", &maps, "map of each block", true);
   stage.NamedInputs("solution", &solutions, "solution of each block", true);
-  stage.Output("output", &output, "folder for site.tif, site.png, ros/, local/ and seams.json");
+  stage.Output("output", &output, "folder for site.tif, site.png, ros/, local/, seams.json and seams.geojson");
   stage.Option("seam-window-m", &seam_options.window_m, "side of the windows that give one offset each (m)",
                {.min = 1.0, .max = 100.0});
   stage.Option("seam-search-m", &seam_options.search_m, "largest offset between two maps that is looked for (m)",
@@ -166,6 +188,7 @@ int main(int argc, char** argv) {
       report.seams = CompareAll(site_blocks, seam_options, run);
     }
     formats::WriteSeams(output / "seams.json", report, run.Provenance());
+    formats::WriteSeamsLayer(output / "seams.geojson", report);
     Summarize(report.seams, run);
   });
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "survey/accuracy/delivery.h"
 #include "survey/accuracy/error_statistics.h"
 #include "survey/control/control_point.h"
 
@@ -93,6 +94,8 @@ struct SeamSummary {
   int num_windows = 0;              // places where an offset could be measured
   std::optional<double> rms;        // of the offsets that are known in both directions
   double contradicted_share = 0.0;  // wall cells of one map that the other saw as free, the worse of both
+  std::optional<double> sigmas;     // length of the mean offset in sigmas of the two adjustments
+  std::optional<bool> contradicts;  // beyond what their covariances allow; see JudgeSeam
 };
 
 struct StitchingAccuracy {
@@ -126,7 +129,8 @@ struct Certificate {
   AccuracyTest points_test;  // all tied blocks together
   AccuracyTest features_test;
   StitchingAccuracy stitching;
-  std::vector<std::string> not_tested;  // sentences
+  std::optional<DeliveryChanges> since_delivery;  // empty: nothing was delivered before
+  std::vector<std::string> not_tested;            // sentences
 };
 
 }  // namespace survey

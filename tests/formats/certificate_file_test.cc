@@ -42,7 +42,12 @@ survey::Certificate Example() {
   }
   input.blocks = {{"B1", solution, shifted}, {"B2", solution, exact}};
   input.seams = {{.block_a = "B1", .block_b = "B2", .overlap_area_m2 = 12.5, .num_windows = 1, .rms = 0.01}};
-  return survey::Certify(input);
+  survey::Certificate certificate = survey::Certify(input);
+  certificate.since_delivery = survey::CompareDeliveries(
+      {.points = {{"C1", survey::PointRole::kControl, {1, 2}}}, .poses = {{"B1", 5, {1, 2}}, {"B2", 5, {1, 2}}}},
+      {.points = {{"C1", survey::PointRole::kControl, {1, 2.01}}, {"K1", survey::PointRole::kCheck, {5, 5}}},
+       .poses = {{"B1", 5, {1, 2.01}}}});
+  return certificate;
 }
 
 const formats::Provenance kProvenance = {.records = {{.stage = "certify", .version = "1"}}};
@@ -106,7 +111,7 @@ TEST(CertificateFileTest, RefusesOtherFiles) {
   refused("{\"format\": \"plumbline-cert");
   refused("[1, 2]");
   refused(R"({"format": "plumbline-certificate", "format_version": 99})");
-  refused(R"({"format": "plumbline-certificate", "format_version": 2, "site": 7})");
+  refused(R"({"format": "plumbline-certificate", "format_version": 3, "site": 7})");
 }
 
 }  // namespace

@@ -14,9 +14,11 @@ using test_support::JobSite;
 TEST(DeterminismTest, JobsAndThreadsDoNotShowInTheResults) {
   const auto expected = JobSite::Processed().Results();
   ASSERT_TRUE(expected.contains("out/certificate.html"));
-  for (const auto& [jobs, threads] : {std::pair{"-j1", "1"}, std::pair{"-j8", "2"}}) {
+  const test_support::ScratchFolder elsewhere;
+  int runs = 0;
+  for (const auto& [jobs, threads] : {std::pair{"-j1", "1"}, std::pair{"-j8", "2"}, std::pair{"-j1", "8"}}) {
     setenv("PLUMBLINE_THREADS", threads, 1);
-    const JobSite site;
+    const JobSite site(elsewhere / ("folder " + std::to_string(++runs)) / "a site of another name");
     EXPECT_EQ(site.Run({jobs}).status, 0);
     const auto results = site.Results();
     unsetenv("PLUMBLINE_THREADS");

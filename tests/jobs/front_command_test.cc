@@ -111,9 +111,19 @@ TEST(FrontCommandTest, StatusExplains) {
   test_support::AppendToFile(site / "blocks/A/block.toml", "[loops]\nreach-m = 7\n");
   fs::remove(site / "work/B/grid.tif");
   const std::string status = Plumbline({"status", site.path()}).out;
-  for (const char* line : {"A track   done\n", "A loops   stale: its options or the program changed",
-                           "A adjust  waiting for A loops\n", "B grid    stale: work/B/grid.tif is missing\n"}) {
+  for (const char* line : {"A track   done\n", "A loops   stale: option reach-m: 7, was not given\n",
+                           "A adjust  waiting for A loops\n", "B grid    stale: work/B/grid.tif is missing\n",
+                           "a run does: A loops, B grid\n", "and where that brings new results: A adjust, A grid,"}) {
     EXPECT_NE(status.find(line), std::string::npos) << line << status;
+  }
+  EXPECT_EQ(site.Run({"-j2"}).status, 0);
+  test_support::ReplaceInFile(site / "blocks/A/block.toml", "reach-m = 7", "reach-m = 8");
+  test_support::AppendToFile(site / "control/points.csv", "# looked over on Friday\n");
+  fs::remove_all(site / "blocks/B");
+  const std::string later = Plumbline({"status", site.path()}).out;
+  for (const char* line : {"A loops   stale: option reach-m: 8, was 7\n", "; control/points.csv changed\n",
+                           "network   stale: no longer with B="}) {
+    EXPECT_NE(later.find(line), std::string::npos) << line << later;
   }
 }
 

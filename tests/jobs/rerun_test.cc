@@ -3,8 +3,11 @@
 // After each kind of change exactly the stages run that depend on it.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "formats/atomic_file.h"
 #include "tests/support/job_site.h"
+#include "tests/support/paths.h"
 
 namespace {
 
@@ -47,6 +50,29 @@ TEST_F(RerunTest, ControlChanges) {
 
   ReplaceInFile(points, "5600208.0000,500102.0004", "5600208.0000,500102.0024");  // a check point
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report"}));
+}
+
+// A delivery is noted; the next certificate says which point moved, and what the maps did.
+TEST_F(RerunTest, DeliveryAndControlUpdate) {
+  const auto deliver = [&] { return test_support::RunCommand({"plumbline", "deliver", site_.path()}); };
+  EXPECT_EQ(deliver().status, 0);
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "report"}));
+  ReplaceInFile(site_ / "control/points.csv", "1,5600201.9973,", "1,5600201.9773,");  // 20 mm south
+  const test_support::CommandResult early = deliver();
+  EXPECT_EQ(early.status, 1);
+  EXPECT_NE(early.err.find("network is not up to date"), std::string::npos) << early.err;
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "stitch"}));
+  const auto changes = nlohmann::json::parse(formats::ReadWholeFile(site_ / "out/certificate.json"))["since_delivery"];
+  ASSERT_EQ(changes["control"].size(), 1);
+  EXPECT_EQ(changes["control"][0]["name"], "1");
+  EXPECT_NEAR(changes["control"][0]["shift"]["n"], -0.020, 1e-5);
+  const double followed = changes["control"][0]["map_shift"]["n"];
+  EXPECT_LT(followed, -0.003);
+  EXPECT_GT(followed, -0.020);
+  EXPECT_GT(changes["blocks"][0]["max_shift"], 0.003);
+  EXPECT_LT(changes["blocks"][1]["max_shift"], 2e-5);  // block B has not seen it
+  EXPECT_NE(formats::ReadWholeFile(site_ / "out/certificate.html").find("Changes since the last delivery"),
+            std::string::npos);
 }
 
 TEST_F(RerunTest, OptionsOfOneStage) {
@@ -104,6 +130,22 @@ TEST_F(RerunTest, CheckFeaturesAddedAndRemoved) {
   fs::remove(site_ / "work/A/features.sqlite");
   fs::remove(site_ / "work/B/features.sqlite");
   EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+}
+
+// A new build of one program re-runs its stage; results that come out as before stop the chain there.
+TEST_F(RerunTest, NewProgramVersion) {
+  const test_support::ScratchFolder scratch;
+  for (const char* folder : {"bin", "share"}) {
+    fs::copy(test_support::BinFolder().parent_path() / folder, scratch / folder, fs::copy_options::recursive);
+  }
+  const std::string run = scratch / "bin/plumbline";
+  EXPECT_EQ(test_support::RunCommand({run, "run", site_.path()}).out, "");
+  const fs::path program = scratch / "bin/plumbline-grid";
+  AppendToFile(program, "another build");
+  const std::string status = test_support::RunCommand({run, "status", site_.path()}).out;
+  EXPECT_NE(status.find("A grid    stale: plumbline-grid is another build\n"), std::string::npos) << status;
+  EXPECT_EQ(test_support::RunCommand({run, "run", site_.path()}).out, "A grid\nB grid\n");
+  EXPECT_EQ(test_support::RunCommand({run, "run", site_.path()}).out, "");
 }
 
 TEST_F(RerunTest, DeletedResultsComeBack) {

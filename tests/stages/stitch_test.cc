@@ -31,7 +31,9 @@ class StitchTest : public testing::Test {
         .records = {{.stage = "adjust", .version = "1", .options = {{"block", name}}, .inputs = {}}}};
     survey::Solution solution;
     solution.tied = tied;
-    formats::WriteSolution(folder / "solution.sqlite", solution, {}, own);
+    solution.scans = {{.scan = survey::ScanId{0}, .is_node = true}};
+    solution.covariances = {{survey::ScanId{0}, Eigen::Vector3d(1e-4, 1e-4, 1e-8).asDiagonal()}};
+    formats::WriteSolution(folder / "solution.sqlite", solution, {{}}, own);
     formats::Provenance chain{
         .records = {{.stage = "grid",
                      .version = "1",
@@ -98,6 +100,27 @@ TEST_F(StitchTest, TiedBlocksMakeTheSite) {
   EXPECT_NEAR(seams["seams"][0]["overlap_area_m2"].get<double>(), 4 * 8, 1e-6);
   EXPECT_EQ(formats::ReadProvenance(out_ / "site.tif").Own().Id(),
             formats::ReadProvenance(out_ / "seams.json").Own().Id());
+}
+
+TEST_F(StitchTest, BlocksThatContradictEachOtherAreNamed) {
+  MakeBlock("B1", true, 0);
+  MakeBlock("B2", true, 0.15);  // the same room three cells further east
+  MakeBlock("B3", true, 0);
+  for (const char* block : {"B1", "B2", "B3"}) ASSERT_EQ(Edit(block).status, 0);
+  const CommandResult result = Stitch({"B1", "B2", "B3"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("warning: blocks B1 and B2 contradict each other"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("warning: blocks B2 and B3 contradict each other"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("B1 and B3"), std::string::npos) << result.err;
+  EXPECT_EQ(Seams()["seams"][0]["contradicts"], true);
+  EXPECT_NEAR(Seams()["seams"][0]["offset_m"][0].get<double>(), 0.15, 0.01);
+  EXPECT_EQ(Seams()["seams"][1]["contradicts"], false);
+  const json layer = json::parse(formats::ReadWholeFile(out_ / "seams.geojson"));
+  EXPECT_EQ(layer["crs"]["properties"]["name"], "urn:ogc:def:crs:EPSG::25832");
+  ASSERT_FALSE(layer["features"].empty());
+  const json line = layer["features"][0]["geometry"]["coordinates"];
+  EXPECT_NEAR(line[1][0].get<double>() - line[0][0].get<double>(),
+              100 * layer["features"][0]["properties"]["east_m"].get<double>(), 1e-6);
 }
 
 TEST_F(StitchTest, TheSameInputsGiveTheSameBytes) {

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/accuracy/seam_test.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace survey {
+namespace {
+
+// Square roots of chi-square's 99.9 % points over the degrees of freedom: 10.828 with one, 13.816 with two.
+constexpr double kLimit[3] = {0.0, 3.2905, 2.6283};
+constexpr double kPatchesBeyond = 0.05;  // of all patches: more is not chance
+
+const SolvedScan* FindScan(const Solution& solution, ScanId scan) {
+  const auto index = static_cast<std::size_t>(scan.value);
+  return scan.value >= 0 && index < solution.scans.size() ? &solution.scans[index] : nullptr;
+}
+
+// Length of an offset in sigmas; with one direction along that direction.
+double Ratio(const Eigen::Vector2d& offset, int directions, const Eigen::Matrix2d& covariance) {
+  if (directions == 2) return std::sqrt(offset.dot(covariance.inverse() * offset) / 2.0);
+  const double length = offset.norm();
+  if (length == 0.0) return 0.0;
+  const Eigen::Vector2d across = offset / length;
+  return length / std::sqrt(across.dot(covariance * across));
+}
+
+}  // namespace
+
+std::optional<Eigen::Matrix2d> MapCovarianceAt(const Eigen::Vector2d& place, const Solution& solution) {
+  std::optional<Eigen::Matrix2d> result;
+  double nearest = std::numeric_limits<double>::max();
+  for (const NodeCovariance& node : solution.covariances) {
+    const SolvedScan* scan = FindScan(solution, node.scan);
+    if (scan == nullptr) continue;
+    const Eigen::Vector2d arm = place - scan->site_from_scan.Translation();
+    if (arm.squaredNorm() >= nearest) continue;
+    nearest = arm.squaredNorm();
+    Eigen::Matrix<double, 2, 3> place_by_pose;
+    place_by_pose << 1, 0, -arm.y(), 0, 1, arm.x();
+    result = place_by_pose * node.covariance * place_by_pose.transpose();
+  }
+  return result;
+}
+
+std::optional<SeamVerdict> JudgeSeam(const Seam& seam, const Solution& first, const Solution& second,
+                                     double reading_sigma_m) {
+  const Eigen::Matrix2d reading = Eigen::Matrix2d::Identity() * reading_sigma_m * reading_sigma_m;
+  SeamVerdict verdict;
+  Eigen::Matrix2d mean = Eigen::Matrix2d::Zero();
+  for (const SeamPatch& patch : seam.patches) {
+    const std::optional<Eigen::Matrix2d> of_first = MapCovarianceAt(patch.centre_in_site, first);
+    const std::optional<Eigen::Matrix2d> of_second = MapCovarianceAt(patch.centre_in_site, second);
+    if (!of_first || !of_second) return std::nullopt;
+    const Eigen::Matrix2d covariance = *of_first + *of_second + reading;
+    mean += covariance / static_cast<double>(seam.patches.size());
+    verdict.patch_ratios.push_back(Ratio(patch.offset, patch.directions, covariance));
+    if (verdict.patch_ratios.back() > kLimit[patch.directions]) ++verdict.num_beyond;
+  }
+  if (seam.offset && !seam.patches.empty()) verdict.ratio = Ratio(*seam.offset, 2, mean);
+  const double allowed = std::max(1.0, kPatchesBeyond * static_cast<double>(seam.patches.size()));
+  verdict.contradicts = verdict.ratio.value_or(0.0) > kLimit[2] || verdict.num_beyond > allowed;
+  return verdict;
+}
+
+}  // namespace survey

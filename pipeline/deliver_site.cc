@@ -16,7 +16,8 @@ constexpr double kPoseSpacingM = 2.0;
 
 void RequireUpToDate(const fs::path& site) {
   for (const RunStatus& status : SiteStatus(site, ReadGraph(site))) {
-    if (status.state == RunState::kDone) continue;
+    // Whoever waits does so for a run that is named here.
+    if (status.state == RunState::kDone || status.state == RunState::kWaiting) continue;
     throw formats::DataError(site.string() + ": " + status.run.Title() +
                              " is not up to date, so there is nothing to deliver; plumbline run first");
   }

@@ -6,6 +6,7 @@
 #include <sys/statvfs.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <fstream>
 #include <random>
 #include <thread>
@@ -21,8 +22,13 @@ using test_support::JobSite;
 using test_support::ScratchFolder;
 
 constexpr unsigned kSeed = 20;
-constexpr int kSites = 3;
-constexpr int kKillsPerSite = 4;
+constexpr int kKillsPerSite = 5;
+
+// A test of hours instead of seconds: PLUMBLINE_KILLS=200 PLUMBLINE_FULL_DISKS=50.
+int FromEnvironment(const char* name, int otherwise) {
+  const char* text = std::getenv(name);
+  return text != nullptr ? std::atoi(text) : otherwise;
+}
 
 TEST(RecoveryTest, KilledAtRandomMoments) {
   const auto undisturbed = JobSite::Processed().Results();
@@ -32,8 +38,9 @@ TEST(RecoveryTest, KilledAtRandomMoments) {
   const auto whole = std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now() - began);
 
   std::mt19937 random(kSeed);
+  const int wanted = FromEnvironment("PLUMBLINE_KILLS", 20);
   int kills = 0;
-  for (int i = 0; i < kSites; ++i) {
+  for (int i = 0; i < wanted / kKillsPerSite; ++i) {
     const JobSite site;
     for (int k = 0; k < kKillsPerSite; ++k) {
       const std::chrono::milliseconds delay(random() % static_cast<unsigned>(whole.count() / 2));
@@ -45,7 +52,7 @@ TEST(RecoveryTest, KilledAtRandomMoments) {
               std::vector<std::string>{});  // nothing else stayed behind either
     EXPECT_EQ(site.StagesOfRun(), std::vector<std::string>{});
   }
-  EXPECT_GE(kills, kSites * kKillsPerSite / 2);
+  EXPECT_GE(kills, wanted / 2);
 }
 
 // A file system of its own; unmounted at the end.
@@ -81,13 +88,18 @@ TEST(RecoveryTest, DiskFull) {
   if (!disk.mounted()) GTEST_SKIP() << "mounting a small tmpfs is not permitted here";
   const JobSite site(scratch / "disk/site");
   const auto undisturbed = JobSite::Processed().Results();
+  std::mt19937 random(kSeed);
+  const int wanted = FromEnvironment("PLUMBLINE_FULL_DISKS", 5);
   int failures = 0;
-  for (const std::uintmax_t bytes : {150'000, 400'000, 900'000, 1'500'000}) {
+  for (int i = 0; i < wanted; ++i) {
+    // At first within the room that the whole site takes; then wherever the rest of it needs more.
+    const std::uintmax_t bytes = random() % 1'500'000;
     const auto before = site.Results();
     disk.LeaveFree(bytes);
     const CommandResult run = site.Run();
     disk.MakeRoom();
-    if (run.status == 0) break;
+    if (run.status == 0) fs::remove_all(site / "work");
+    if (run.status == 0) continue;
     ++failures;
     EXPECT_EQ(run.status, 1) << run.err;
     EXPECT_TRUE(run.err.starts_with("plumbline")) << run.err;
@@ -98,6 +110,24 @@ TEST(RecoveryTest, DiskFull) {
   EXPECT_GE(failures, 2);
   const CommandResult run = site.Run();
   EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(Differences(site.Results(), undisturbed), std::vector<std::string>{});
+}
+
+TEST(RecoveryTest, ReadOnlyOutputFolder) {
+  const JobSite site = JobSite::Processed();
+  const auto undisturbed = site.Results();
+  fs::remove(site / "out/site.tif");
+  // Root may write in any folder, so the folder is mounted read-only over itself.
+  const std::string out = site / "out";
+  const bool mounted = mount(out.c_str(), out.c_str(), "none", MS_BIND, nullptr) == 0 &&
+                       mount("none", out.c_str(), "none", MS_BIND | MS_REMOUNT | MS_RDONLY, nullptr) == 0;
+  if (!mounted) GTEST_SKIP() << "mounting read-only is not permitted here";
+  const CommandResult refused = site.Run();
+  umount2(out.c_str(), MNT_DETACH);
+  EXPECT_EQ(refused.status, 1) << refused.err;
+  EXPECT_NE(refused.err.find("plumbline-stitch: out: folder is not writable"), std::string::npos) << refused.err;
+  EXPECT_EQ(refused.err.find("internal error"), std::string::npos) << refused.err;
+  EXPECT_EQ(site.StagesOfRun(), (std::vector<std::string>{"report", "stitch"}));
   EXPECT_EQ(Differences(site.Results(), undisturbed), std::vector<std::string>{});
 }
 

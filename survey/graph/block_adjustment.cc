@@ -7,6 +7,7 @@
 
 #include "survey/geometry/rigid_fit.h"
 #include "survey/graph/block_graph.h"
+#include "survey/graph/given_control.h"
 #include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
 #include "survey/graph/variance_factor.h"
@@ -59,16 +60,20 @@ std::optional<RigidFit> FitOnMarks(const BlockGraph& block, const GivenPoints& g
 
 void MoveGraph(const Pose2& target_from_source, PoseGraph* graph) {
   for (Pose2& pose : graph->poses) pose = target_from_source * pose;
-  for (GraphPoint& point : graph->points) point.position = target_from_source * point.position;
+  for (Eigen::Vector2d& point : graph->points) point = target_from_source * point;
 }
 
-void AddControl(const GivenPoints& given, const Eigen::Vector2d& offset, BlockGraph* block) {
-  for (std::size_t i = 0; i < block->point_names.size(); ++i) {
-    const auto found = given.find(block->point_names[i]);
-    if (found == given.end()) continue;
-    block->graph.points[i].position = found->second->position_in_site - offset;
-    block->graph.points[i].prior_covariance = found->second->covariance;
+// Coordinates of the control points among the graph's observations; why not possible, or empty.
+std::string AddControl(const ControlNetwork& control, const Eigen::Vector2d& offset, BlockGraph* block) {
+  GivenControl given = GiveControl(control, block->point_names, {}, offset);
+  for (const GivenCoordinates& group : given.given) {
+    for (std::size_t k = 0; k < group.points.size(); ++k) {
+      block->graph.points[static_cast<std::size_t>(group.points[k])] =
+          group.coordinates.segment<2>(2 * static_cast<Eigen::Index>(k));
+    }
   }
+  block->graph.given = std::move(given.given);
+  return given.problem;
 }
 
 // Rows minus unknowns.
@@ -76,7 +81,7 @@ int DegreesOfFreedom(const PoseGraph& graph) {
   int dof = 3 * static_cast<int>(graph.edges.size()) + 2 * static_cast<int>(graph.marks.size()) -
             3 * static_cast<int>(graph.poses.size()) - 2 * static_cast<int>(graph.points.size()) +
             (graph.fixed_pose ? 3 : 0);
-  for (const GraphPoint& point : graph.points) dof += point.prior_covariance ? 2 : 0;
+  for (const GivenCoordinates& given : graph.given) dof += 2 * static_cast<int>(given.points.size());
   return dof;
 }
 
@@ -213,7 +218,8 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
     for (std::size_t i = 0; i < block.graph.marks.size(); ++i)
       rigid_positions[i] = MarkPosition(block.graph, block.graph.marks[i]) + offset;
     if (num_points > 1) {
-      AddControl(given, offset, &block);
+      const std::string problem = AddControl(control, offset, &block);
+      if (!problem.empty()) return Failed(problem);
       block.graph.fixed_pose.reset();
       summary = Solve(&block.graph, options.solver);
       if (!summary.usable) return Failed("the adjustment with control did not converge: " + summary.message);

@@ -75,7 +75,7 @@ BlockGraph MakeBlockGraph(const Track& track, const std::vector<ScanId>& nodes) 
     const int point = static_cast<int>(name - block.point_names.begin());
     const int pose = block.PoseOf(mark.scan);
     block.graph.marks.push_back({pose, point, mark.mark_in_scan, mark.covariance});
-    block.graph.points[static_cast<std::size_t>(point)].position =
+    block.graph.points[static_cast<std::size_t>(point)] =
         block.graph.poses[static_cast<std::size_t>(pose)] * mark.mark_in_scan;
   }
   block.graph.fixed_pose = 0;

@@ -113,7 +113,7 @@ void PutPointsOnTheirMarks(PoseGraph* graph) {
     count[static_cast<std::size_t>(mark.point)] += 1.0;
   }
   for (std::size_t i = 0; i < graph->points.size(); ++i) {
-    if (!graph->points[i].prior_covariance && count[i] > 0.0) graph->points[i].position = sum[i] / count[i];
+    if (count[i] > 0.0) graph->points[i] = sum[i] / count[i];
   }
 }
 

@@ -52,7 +52,8 @@ inline MarkResidual EvaluateMark(const Pose2& pose, const Eigen::Vector2d& point
 template <int N>
 Eigen::Matrix<double, N, N> Whitening(const Eigen::Matrix<double, N, N>& covariance) {
   const Eigen::Matrix<double, N, N> lower = covariance.llt().matrixL();
-  return lower.template triangularView<Eigen::Lower>().solve(Eigen::Matrix<double, N, N>::Identity());
+  return lower.template triangularView<Eigen::Lower>().solve(
+      Eigen::Matrix<double, N, N>::Identity(covariance.rows(), covariance.cols()));
 }
 
 }  // namespace survey

@@ -54,21 +54,31 @@ class MarkCost : public ceres::SizedCostFunction<2, 3, 2> {
   Eigen::Matrix2d whitening_;
 };
 
-class GivenPointCost : public ceres::SizedCostFunction<2, 2> {
+class GivenCoordinatesCost : public ceres::CostFunction {
  public:
-  GivenPointCost(const Eigen::Vector2d& given, const Eigen::Matrix2d& covariance)
-      : given_(given), whitening_(Whitening<2>(covariance)) {}
+  explicit GivenCoordinatesCost(const GivenCoordinates& given)
+      : given_(given.coordinates), whitening_(Whitening<Eigen::Dynamic>(given.covariance)) {
+    set_num_residuals(static_cast<int>(given_.size()));
+    mutable_parameter_block_sizes()->assign(given.points.size(), 2);
+  }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    Eigen::Map<Eigen::Vector2d>(residuals, 2) =
-        whitening_ * (Eigen::Vector2d(parameters[0][0], parameters[0][1]) - given_);
-    if (jacobians != nullptr && jacobians[0] != nullptr) Eigen::Map<RowMajor<2, 2>>(jacobians[0], 2, 2) = whitening_;
+    const Eigen::Index rows = given_.size();
+    Eigen::VectorXd error = -given_;
+    for (Eigen::Index row = 0; row < rows; row += 2)
+      error.segment<2>(row) += Eigen::Map<const Eigen::Vector2d>(parameters[row / 2]);
+    Eigen::Map<Eigen::VectorXd>(residuals, rows) = whitening_ * error;
+    if (jacobians == nullptr) return true;
+    for (Eigen::Index row = 0; row < rows; row += 2) {
+      if (jacobians[row / 2] == nullptr) continue;
+      Eigen::Map<RowMajor<Eigen::Dynamic, 2>>(jacobians[row / 2], rows, 2) = whitening_.middleCols<2>(row);
+    }
     return true;
   }
 
  private:
-  Eigen::Vector2d given_;
-  Eigen::Matrix2d whitening_;
+  Eigen::VectorXd given_;
+  Eigen::MatrixXd whitening_;
 };
 
 // The graph's unknowns as Ceres wants them, and back.
@@ -79,12 +89,12 @@ struct Unknowns {
     for (std::size_t i = 0; i < poses.size(); ++i)
       poses[i] = {graph.poses[i].x, graph.poses[i].y, graph.poses[i].theta};
     for (std::size_t i = 0; i < points.size(); ++i)
-      points[i] = {graph.points[i].position.x(), graph.points[i].position.y()};
+      points[i] = {graph.points[i].x(), graph.points[i].y()};
   }
   void Write(PoseGraph* graph) const {
     for (std::size_t i = 0; i < poses.size(); ++i)
       graph->poses[i] = {poses[i][0], poses[i][1], NormalizeAngle(poses[i][2])};
-    for (std::size_t i = 0; i < points.size(); ++i) graph->points[i].position = {points[i][0], points[i][1]};
+    for (std::size_t i = 0; i < points.size(); ++i) graph->points[i] = {points[i][0], points[i][1]};
   }
 
   std::vector<std::array<double, 3>> poses;
@@ -102,10 +112,10 @@ void BuildProblem(const PoseGraph& graph, double robust_scale, Unknowns* unknown
   for (const MarkEdge& mark : graph.marks) {
     problem->AddResidualBlock(new MarkCost(mark), nullptr, pose(mark.pose), point(mark.point));
   }
-  for (std::size_t i = 0; i < graph.points.size(); ++i) {
-    if (!graph.points[i].prior_covariance) continue;
-    problem->AddResidualBlock(new GivenPointCost(graph.points[i].position, *graph.points[i].prior_covariance), nullptr,
-                              unknowns->points[i].data());
+  for (const GivenCoordinates& given : graph.given) {
+    std::vector<double*> blocks;
+    for (const int index : given.points) blocks.push_back(point(index));
+    problem->AddResidualBlock(new GivenCoordinatesCost(given), nullptr, blocks);
   }
   if (graph.fixed_pose) problem->SetParameterBlockConstant(pose(*graph.fixed_pose));
 }

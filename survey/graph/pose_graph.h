@@ -30,17 +30,20 @@ struct MarkEdge {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  // in the frame of the pose
 };
 
-// A point with given coordinates is an observation with its covariance; without, it only ties its marks together.
-struct GraphPoint {
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();
-  std::optional<Eigen::Matrix2d> prior_covariance;  // of the given coordinates, which are `position` at the start
+// Coordinates that were given for some points: observations with their joint covariance, m2; in both, x and y of each
+// point follow one another. A point without given coordinates only ties its marks together.
+struct GivenCoordinates {
+  std::vector<int> points;
+  Eigen::VectorXd coordinates;
+  Eigen::MatrixXd covariance;
 };
 
 struct PoseGraph {
   std::vector<Pose2> poses;
-  std::vector<GraphPoint> points;
+  std::vector<Eigen::Vector2d> points;
   std::vector<PoseEdge> edges;
   std::vector<MarkEdge> marks;
+  std::vector<GivenCoordinates> given;  // no point twice
   // The datum: without control the gauge is free in three parameters and this pose is held. With two control points or
   // more none is held.
   std::optional<int> fixed_pose;

@@ -96,11 +96,14 @@ TEST(PoseGraph, CovariancesEqualTheDenseInverse) {
   const Eigen::Matrix3d covariance = Eigen::Vector3d(0.01, 0.02, 0.001).asDiagonal();
   graph.edges = {{0, 1, Between(graph.poses[0], graph.poses[1]), covariance, false},
                  {1, 2, Between(graph.poses[1], graph.poses[2]), covariance, false}};
-  graph.points = {{{0.5, 0.5}, Eigen::Matrix2d(1e-4 * Eigen::Matrix2d::Identity())},
-                  {{3, 0}, Eigen::Matrix2d(4e-4 * Eigen::Matrix2d::Identity())}};
+  graph.points = {{0.5, 0.5}, {3, 0}};
+  Eigen::Matrix4d of_given = Eigen::Vector4d(1e-4, 1e-4, 4e-4, 4e-4).asDiagonal();
+  of_given(0, 2) = of_given(2, 0) = 1e-4;
+  of_given(1, 3) = of_given(3, 1) = -5e-5;
+  graph.given = {{{0, 1}, Eigen::Vector4d(0.5, 0.5, 3, 0), of_given}};
   const Eigen::Matrix2d mark_covariance = 1e-4 * Eigen::Matrix2d::Identity();
-  graph.marks = {{0, 0, Inverse(graph.poses[0]) * graph.points[0].position, mark_covariance},
-                 {2, 1, Inverse(graph.poses[2]) * graph.points[1].position, mark_covariance}};
+  graph.marks = {{0, 0, Inverse(graph.poses[0]) * graph.points[0], mark_covariance},
+                 {2, 1, Inverse(graph.poses[2]) * graph.points[1], mark_covariance}};
 
   // Unknowns: three poses, two points, in this order.
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(13, 13);
@@ -114,14 +117,13 @@ TEST(PoseGraph, CovariancesEqualTheDenseInverse) {
   }
   for (const MarkEdge& mark : graph.marks) {
     const auto r = EvaluateMark(graph.poses[static_cast<std::size_t>(mark.pose)],
-                                graph.points[static_cast<std::size_t>(mark.point)].position, mark.p_in_pose);
+                                graph.points[static_cast<std::size_t>(mark.point)], mark.p_in_pose);
     Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, 13);
     row.block<2, 3>(0, 3 * mark.pose) = r.d_pose;
     row.block<2, 2>(0, 9 + 2 * mark.point) = r.d_point;
     normal += row.transpose() * mark.covariance.inverse() * row;
-    normal.block<2, 2>(9 + 2 * mark.point, 9 + 2 * mark.point) +=
-        graph.points[static_cast<std::size_t>(mark.point)].prior_covariance->inverse();
   }
+  normal.block<4, 4>(9, 9) += of_given.inverse();
   const Eigen::MatrixXd inverse = normal.inverse();
   const std::vector<Eigen::Matrix3d> computed = PoseCovariances(graph, {0, 1, 2});
   ASSERT_EQ(computed.size(), 3U);
@@ -225,7 +227,7 @@ TEST(ChordalStart, IsExactWithoutNoiseHoweverFarOffThePosesAre) {
     EXPECT_LT((start->poses[i].Translation() - truth[i].Translation()).norm(), 1e-8);
     EXPECT_LT(std::abs(NormalizeAngle(start->poses[i].theta - truth[i].theta)), 1e-9);
   }
-  EXPECT_LT((start->points[0].position - truth[20] * Eigen::Vector2d(1.0, 2.0)).norm(), 1e-8);
+  EXPECT_LT((start->points[0] - truth[20] * Eigen::Vector2d(1.0, 2.0)).norm(), 1e-8);
   graph.edges.erase(graph.edges.begin() + 34);  // the end hangs in the air
   EXPECT_FALSE(ChordalStart(graph));
 }

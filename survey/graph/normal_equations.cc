@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/graph/normal_equations.h"
+
+#include <Eigen/LU>
+
+#include "survey/graph/graph_residuals.h"
+
+namespace survey {
+namespace {
+
+std::size_t Index(int value) { return static_cast<std::size_t>(value); }
+
+// Sums up the equations block by block; a negative place is held: nothing is added there.
+class Sum {
+ public:
+  explicit Sum(int columns) : right_(Eigen::VectorXd::Zero(columns)) {}
+
+  // Adds block to (row, column) and, outside the diagonal, means its transpose too.
+  template <typename Block>
+  void Add(int row, int column, const Block& block) {
+    if (row < 0 || column < 0) return;
+    for (int i = 0; i < static_cast<int>(block.rows()); ++i) {
+      for (int j = 0; j < static_cast<int>(block.cols()); ++j) {
+        if (row != column && row < column) {
+          entries_.emplace_back(column + j, row + i, block(i, j));
+        } else if (row + i >= column + j) {
+          entries_.emplace_back(row + i, column + j, block(i, j));
+        }
+      }
+    }
+  }
+
+  template <typename Vector>
+  void AddRight(int row, const Vector& vector) {
+    if (row >= 0) right_.segment(row, vector.size()) += vector;
+  }
+
+  // One observation of two unknowns: error and its derivatives.
+  template <typename Error, typename First, typename Second, typename Weight>
+  void AddObservation(int a, const First& d_a, int b, const Second& d_b, const Weight& weight, const Error& error) {
+    Add(a, a, d_a.transpose() * weight * d_a);
+    Add(b, b, d_b.transpose() * weight * d_b);
+    Add(a, b, d_a.transpose() * weight * d_b);
+    AddRight(a, -d_a.transpose() * weight * error);
+    AddRight(b, -d_b.transpose() * weight * error);
+  }
+
+  void MoveTo(NormalEquations* equations) {
+    equations->lower.resize(right_.size(), right_.size());
+    equations->lower.setFromTriplets(entries_.begin(), entries_.end());
+    equations->right = std::move(right_);
+  }
+
+ private:
+  std::vector<Eigen::Triplet<double>> entries_;
+  Eigen::VectorXd right_;
+};
+
+// Gives the unknowns their columns; returns how many there are.
+int NumberColumns(const PoseGraph& graph, NormalEquations* equations) {
+  int columns = 0;
+  equations->column_of_pose.assign(graph.poses.size(), -1);
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
+    if (graph.fixed_pose && Index(*graph.fixed_pose) == i) continue;
+    equations->column_of_pose[i] = columns;
+    columns += 3;
+  }
+  std::vector<bool> observed(graph.points.size(), false);
+  for (const MarkEdge& mark : graph.marks) observed[Index(mark.point)] = true;
+  for (const GivenCoordinates& given : graph.given) {
+    for (const int point : given.points) observed[Index(point)] = true;
+  }
+  equations->column_of_point.assign(graph.points.size(), -1);
+  for (std::size_t i = 0; i < graph.points.size(); ++i) {
+    if (!observed[i]) continue;
+    equations->column_of_point[i] = columns;
+    columns += 2;
+  }
+  return columns;
+}
+
+void AddGiven(const PoseGraph& graph, const GivenCoordinates& given, const std::vector<int>& column_of, Sum* sum) {
+  const Eigen::MatrixXd weight = given.covariance.inverse();
+  Eigen::VectorXd error = -given.coordinates;
+  for (std::size_t k = 0; k < given.points.size(); ++k)
+    error.segment<2>(2 * static_cast<Eigen::Index>(k)) += graph.points[Index(given.points[k])];
+  const Eigen::VectorXd pull = weight * error;
+  for (std::size_t k = 0; k < given.points.size(); ++k) {
+    const Eigen::Index row = 2 * static_cast<Eigen::Index>(k);
+    const int point = column_of[Index(given.points[k])];
+    sum->AddRight(point, -pull.segment<2>(row));
+    for (std::size_t l = 0; l <= k; ++l) {
+      sum->Add(point, column_of[Index(given.points[l])], weight.block<2, 2>(row, 2 * static_cast<Eigen::Index>(l)));
+    }
+  }
+}
+
+}  // namespace
+
+NormalEquations FormNormalEquations(const PoseGraph& graph) {
+  NormalEquations equations;
+  Sum sum(NumberColumns(graph, &equations));
+  for (const PoseEdge& edge : graph.edges) {
+    const RelativePoseResidual r =
+        EvaluateRelativePose(graph.poses[Index(edge.base)], graph.poses[Index(edge.target)], edge.base_from_target);
+    sum.AddObservation(equations.column_of_pose[Index(edge.base)], r.d_base,
+                       equations.column_of_pose[Index(edge.target)], r.d_target,
+                       Eigen::Matrix3d(edge.covariance.inverse()), r.error);
+  }
+  for (const MarkEdge& mark : graph.marks) {
+    const MarkResidual r =
+        EvaluateMark(graph.poses[Index(mark.pose)], graph.points[Index(mark.point)], mark.p_in_pose);
+    sum.AddObservation(equations.column_of_pose[Index(mark.pose)], r.d_pose,
+                       equations.column_of_point[Index(mark.point)], r.d_point,
+                       Eigen::Matrix2d(mark.covariance.inverse()), r.error);
+  }
+  for (const GivenCoordinates& given : graph.given) AddGiven(graph, given, equations.column_of_point, &sum);
+  sum.MoveTo(&equations);
+  return equations;
+}
+
+}  // namespace survey

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The normal equations of a pose graph, linearised at its poses and points: N dx = b, with N = J' P J and b = -J' P e
+// over all observations with their weights as they are (no robust loss). Columns: three for a pose (x, y in m, theta in
+// rad), two for a point (m).
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "survey/graph/pose_graph.h"
+
+namespace survey {
+
+struct NormalEquations {
+  std::vector<int> column_of_pose;    // first column; -1: the pose is held
+  std::vector<int> column_of_point;   // -1: nothing observes the point
+  Eigen::SparseMatrix<double> lower;  // lower triangle of N
+  Eigen::VectorXd right;              // b
+};
+
+NormalEquations FormNormalEquations(const PoseGraph& graph);
+
+}  // namespace survey

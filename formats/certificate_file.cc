@@ -60,15 +60,28 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AdjustmentSummary, software, description, num
                                    num_uncontrolled, num_suspected)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Bounds, low, high)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BiasTest, t_squared, p_value)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorStatistics, num_errors, num_points, mean, rmse_by_axis, rmse, rmse_survey,
-                                   rmse_product, max, nssda_95, covariance, nmad, ce95, effective_dof, rmse_bounds_95,
-                                   rmse_upper_95, rmse_product_upper_95, bias)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(QuantileEstimate, value, upper_95)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorStatistics, num_errors, num_points, num_independent, mean, rmse_by_axis, rmse,
+                                   rmse_survey, rmse_product, max, nssda_95, length_68, length_95, covariance, nmad,
+                                   ce95, effective_dof, rmse_bounds_95, rmse_upper_95, rmse_product_upper_95, bias)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassVerdict, class_m, meets, demonstrated, bias_within, blunders, num_beyond_95,
                                    largest_rate_beyond_95)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FitResidual, block, point, given, residual, rigid_residual)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TestedCheck, kind, block, name, in_map, reference, error, reference_covariance,
-                                   distance_to_control, blunder)
+                                   distance_to_control, blunder, outlier)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyTest, statistics, verdict)
+NLOHMANN_JSON_SERIALIZE_ENUM(ClassStatistic, {{ClassStatistic::kRmseHorizontal, "rmse-h"},
+                                              {ClassStatistic::kRmseAxis, "rmse-axis"},
+                                              {ClassStatistic::kCircle95, "ce95"},
+                                              {ClassStatistic::kNssda95, "nssda-95"}})
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NormalityTest, w, p_by_axis, skewness, skewness_p, kurtosis, kurtosis_p)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockEffect, num_blocks, wilks_lambda, f, p_value)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MoranTest, i, p_value)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckSpread, hull_share, quadrant_shares, nearest_control_min,
+                                   nearest_control_median, nearest_control_max)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyClass, standard, name, source, statistic, confidence, limit_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassResult, accuracy_class, value_m, upper_95, meets, demonstrated)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckAnalysis, normality, num_outliers, block_effect, moran, spread, classes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RelativeAccuracy, num_features, rms, scale)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NavigatedTimes, inertial, odometry, constant_velocity, unmatched)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockCertificate, name, tied, num_scans, path_length, num_loops, num_control_points,
@@ -88,8 +101,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockChange, name, num_poses, mean_shift, rms
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DeliveryChanges, control, blocks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, control_adjustment,
-                                   control_remarks, blocks, fit, checks, points_test, features_test, stitching,
-                                   since_delivery, not_tested)
+                                   control_remarks, blocks, fit, checks, points_test, features_test, points_analysis,
+                                   features_analysis, stitching, since_delivery, not_tested)
 
 }  // namespace survey
 

@@ -87,6 +87,7 @@ grid-tie := $(wildcard control/grid-tie.csv)
 features := $(wildcard control/features.csv)
 # What `plumbline deliver` noted, both files or none.
 delivered := $(if $(and $(wildcard delivered/control.csv),$(wildcard delivered/poses.csv)),delivered/control.csv delivered/poses.csv)
+accuracy-classes := $(wildcard accuracy-classes.toml)
 edits := $(sort $(wildcard edits/*.geojson))
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
@@ -138,11 +139,13 @@ $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(bloc
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
 $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
-  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json $(call source,$(delivered)),\
+  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json\
+  $(call source,$(accuracy-classes)) $(call source,$(delivered)),\
   out/certificate.json,\
   --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
   $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
-  --seams out/seams.json $(if $(delivered),--delivered-control delivered/control.csv --delivered-poses delivered/poses.csv)\
+  $(addprefix --classes ,$(accuracy-classes)) --seams out/seams.json\
+  $(if $(delivered),--delivered-control delivered/control.csv --delivered-poses delivered/poses.csv)\
   --output out/certificate.json)
 
 $(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\

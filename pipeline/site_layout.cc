@@ -72,6 +72,7 @@ std::vector<std::string> BlocksOf(const fs::path& site) {
 std::vector<fs::path> SuppliedFiles(const fs::path& site) {
   std::vector<fs::path> files;
   for (const char* folder : {"control", "blocks", "edits", "delivered"}) Collect(site, folder, &files);
+  if (fs::exists(site / "accuracy-classes.toml")) files.push_back("accuracy-classes.toml");
   std::sort(files.begin(), files.end());
   return files;
 }

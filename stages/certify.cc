@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "formats/accuracy_classes_file.h"
 #include "formats/artefacts.h"
 #include "formats/certificate_file.h"
 #include "formats/delivery_csv.h"
@@ -25,6 +26,7 @@ struct CertifyFiles {
   std::filesystem::path feature_list;
   std::filesystem::path seams;
   std::filesystem::path delivered_control, delivered_poses;
+  std::filesystem::path classes;
   std::filesystem::path output;
 };
 
@@ -91,6 +93,15 @@ std::optional<survey::DeliveryChanges> ChangesSinceDelivery(const CertifyFiles& 
   return survey::CompareDeliveries(before, DeliveryNow(files, input));
 }
 
+std::vector<survey::AccuracyClass> ReadClasses(const CertifyFiles& files, std::optional<double> class_m) {
+  std::vector<survey::AccuracyClass> classes = formats::StandardAccuracyClasses(class_m);
+  if (files.classes.empty()) return classes;
+  for (const survey::AccuracyClass& each : formats::ReadAccuracyClasses(files.classes, class_m)) {
+    classes.push_back(each);
+  }
+  return classes;
+}
+
 std::string Summary(const survey::Certificate& certificate) {
   if (!certificate.tied) return "no block is tied to control: nothing is certified";
   std::string text = "not tested: no checks";
@@ -131,6 +142,7 @@ int main(int argc, char** argv) {
   std::string site_title = "Site";
   double class_m = 0.0;
   double centring_sigma_m = 0.005;
+  double far_from_control_m = 30.0;
   stage.OptionalInput("control", &files.control, "control.sqlite of the site");
   stage.NamedInputs("solution", &files.solutions, "solution.sqlite of each block", true);
   stage.NamedInputs("features", &files.features, "features.sqlite of each block", false);
@@ -141,17 +153,24 @@ int main(int argc, char** argv) {
                       pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("delivered-poses", &files.delivered_poses, "the platform at the last delivery (CSV)",
                       pipeline::Content::kTextWithoutComments);
+  stage.OptionalInput("classes", &files.classes, "further accuracy classes (TOML)",
+                      pipeline::Content::kTextWithoutComments);
   stage.Output("output", &files.output, "certificate.json to write");
   stage.Option("site-title", &site_title, "title of the site on the certificate");
   stage.Option("accuracy-class-m", &class_m, "class to certify: largest RMSE_H (m); 0: none asked for",
                {.min = 0.0, .max = 100.0});
   stage.Option("check-centring-m", &centring_sigma_m, "1 sigma per axis of the platform over a check point (m)",
                {.min = 0.0, .max = 1.0});
+  stage.Option("far-from-control-m", &far_from_control_m,
+               "what was mapped farther than this from used control is named as not covered (m)",
+               {.min = 1.0, .max = 10000.0});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     survey::CertifyInput input = ReadInput(files);
     input.site = site_title;
     input.centring_sigma_m = centring_sigma_m;
+    input.far_from_control_m = far_from_control_m;
     if (class_m > 0.0) input.class_m = class_m;
+    input.classes = ReadClasses(files, input.class_m);
     Run(files, std::move(input), run);
   });
 }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "survey/accuracy/check_analysis.h"
 #include "survey/accuracy/delivery.h"
 #include "survey/accuracy/error_statistics.h"
 #include "survey/control/control_point.h"
@@ -37,6 +38,7 @@ struct TestedCheck {
   Eigen::Matrix2d reference_covariance = Eigen::Matrix2d::Zero();  // survey and picking, m2
   std::optional<double> distance_to_control;                       // to the nearest used control point of the site
   bool blunder = false;                                            // beyond the class's blunder limit; never dropped
+  bool outlier = false;                                            // does not belong to the others; never dropped
 };
 
 // Errors of one kind of check over one block or the site.
@@ -128,6 +130,8 @@ struct Certificate {
   std::vector<TestedCheck> checks;
   AccuracyTest points_test;  // all tied blocks together
   AccuracyTest features_test;
+  CheckAnalysis points_analysis;
+  CheckAnalysis features_analysis;
   StitchingAccuracy stitching;
   std::optional<DeliveryChanges> since_delivery;  // empty: nothing was delivered before
   std::vector<std::string> not_tested;            // sentences

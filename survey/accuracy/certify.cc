@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "survey/accuracy/not_tested.h"
 #include "survey/accuracy/statement.h"
 #include "survey/control/block_extract.h"
 #include "survey/geometry/rigid_fit.h"
@@ -56,12 +57,12 @@ class Certifier {
       if (block.solution.tied) CollectChecks(block);
     }
     for (const CertifiedBlock& block : input_.blocks) certificate_.blocks.push_back(Summary(block));
-    certificate_.points_test = Test(CheckKind::kPoint, nullptr);
-    certificate_.features_test = Test(CheckKind::kFeature, nullptr);
+    TestSite(CheckKind::kPoint, &certificate_.points_test, &certificate_.points_analysis);
+    TestSite(CheckKind::kFeature, &certificate_.features_test, &certificate_.features_analysis);
     FlagBlunders();
     CompareBlocks();
     MakeStatement();
-    ListUntested();
+    certificate_.not_tested = ListNotTested(input_, certificate_);
     return std::move(certificate_);
   }
 
@@ -119,7 +120,7 @@ class Certifier {
   }
 
   // The test over one block, or over all with null.
-  AccuracyTest Test(CheckKind kind, const std::string* block) const {
+  AccuracyTest Test(CheckKind kind, const std::string* block, std::optional<int> num_independent = {}) const {
     std::map<std::string, int> points;
     std::vector<PositionError> errors;
     for (const TestedCheck& check : certificate_.checks) {
@@ -127,9 +128,61 @@ class Certifier {
       const int point = points.emplace(check.name, static_cast<int>(points.size())).first->second;
       errors.push_back({.point = point, .error = check.error, .reference_covariance = check.reference_covariance});
     }
-    AccuracyTest test{.statistics = Summarize(errors)};
+    AccuracyTest test{.statistics = Summarize(errors, num_independent)};
     if (input_.class_m) test.verdict = JudgeClass(errors, test.statistics, *input_.class_m);
     return test;
+  }
+
+  std::vector<PlacedError> PlacedErrors(CheckKind kind) const {
+    std::map<std::string, int> points, blocks;
+    std::vector<PlacedError> errors;
+    for (const TestedCheck& check : certificate_.checks) {
+      if (check.kind != kind) continue;
+      errors.push_back({.point = points.emplace(check.name, static_cast<int>(points.size())).first->second,
+                        .block = blocks.emplace(check.block, static_cast<int>(blocks.size())).first->second,
+                        .position = check.reference,
+                        .error = check.error});
+    }
+    return errors;
+  }
+
+  // Where blocks have errors of their own, the bounds count blocks instead of points.
+  void TestSite(CheckKind kind, AccuracyTest* test, CheckAnalysis* analysis) {
+    const std::vector<PlacedError> errors = PlacedErrors(kind);
+    std::vector<int> outliers;
+    *analysis = AnalyseErrors(errors, &outliers);
+    std::optional<int> num_independent;
+    if (analysis->block_effect && analysis->block_effect->p_value < kClustered) {
+      num_independent = analysis->block_effect->num_blocks;
+    }
+    *test = Test(kind, nullptr, num_independent);
+    analysis->classes = JudgeClasses(test->statistics, input_.classes);
+    std::vector<Eigen::Vector2d> checks;
+    for (const PlacedError& error : errors) checks.push_back(error.position);
+    analysis->spread = DescribeSpread(checks, TiedPaths(), UsedControl());
+    int index = 0;
+    for (TestedCheck& check : certificate_.checks) {
+      if (check.kind != kind) continue;
+      check.outlier = std::find(outliers.begin(), outliers.end(), index++) != outliers.end();
+    }
+  }
+
+  std::vector<Eigen::Vector2d> TiedPaths() const {
+    std::vector<Eigen::Vector2d> places;
+    for (const CertifiedBlock& block : input_.blocks) {
+      if (!block.solution.tied) continue;
+      for (const SolvedScan& scan : block.solution.scans) places.push_back(scan.site_from_scan.Translation());
+    }
+    return places;
+  }
+
+  // Of the site, or of one block.
+  std::vector<Eigen::Vector2d> UsedControl(const std::string* block = nullptr) const {
+    std::vector<Eigen::Vector2d> control;
+    for (const FitResidual& fit : certificate_.fit) {
+      if (block == nullptr || fit.block == *block) control.push_back(fit.given);
+    }
+    return control;
   }
 
   BlockCertificate Summary(const CertifiedBlock& block) const {
@@ -236,71 +289,6 @@ class Certifier {
     const bool broken = std::any_of(certificate_.blocks.begin(), certificate_.blocks.end(),
                                     [](const auto& block) { return block.tied && !block.breaks.empty(); });
     if (broken && statement.demonstrated) statement.demonstrated = false;
-  }
-
-  void ListUntested() {
-    std::vector<std::string>& list = certificate_.not_tested;
-    for (const BlockCertificate& block : certificate_.blocks) {
-      if (!block.tied) {
-        list.push_back("Block " + block.name +
-                       " is not tied to control: it lies in its local frame and is not certified.");
-      } else if (block.points.statistics.num_points + block.features.statistics.num_points == 0) {
-        list.push_back("Block " + block.name +
-                       " holds no check point and no check feature: its accuracy was not tested.");
-      }
-    }
-    for (const BlockCertificate& block : certificate_.blocks) {
-      for (const std::string& gap : block.breaks) {
-        list.push_back("Block " + block.name + " may be broken at " + gap +
-                       ". What lies behind may be displaced against what lies before; checks elsewhere do not tell.");
-      }
-    }
-    for (const CertifiedBlock& block : input_.blocks) ListUnseen(block, &list);
-    std::set<std::string> found;
-    for (const TestedCheck& check : certificate_.checks) found.insert(check.name);
-    ListMissing("Check point", " was not occupied in any tied block.", found, &list);
-    for (const NamedFeature& feature : input_.reference_features) {
-      if (found.contains(feature.name)) continue;
-      list.push_back("Check feature " + feature.name + " was not found in the map of any tied block" +
-                     ReasonNotFound(feature.name) + ".");
-    }
-    if (certificate_.tied && certificate_.features_test.statistics.num_points == 0) {
-      list.push_back(
-          "No check feature was measured in the maps: check points test where the platform stood, not the walls.");
-    }
-    list.push_back("Heights were not tested: the map is plane.");
-  }
-
-  void ListUnseen(const CertifiedBlock& block, std::vector<std::string>* list) const {
-    const auto seen =
-        std::count_if(block.features.begin(), block.features.end(), [](const auto& f) { return f.found; });
-    const auto sought = static_cast<std::ptrdiff_t>(block.features.size());
-    if (!block.solution.tied || seen == sought) return;
-    list->push_back("Block " + block.name + ": " + std::to_string(seen) + " of " + std::to_string(sought) +
-                    " check features could be read in its map; the others were not tested there.");
-  }
-
-  // " (B1: hidden; B2: ...)", each reason once.
-  std::string ReasonNotFound(const std::string& name) const {
-    std::vector<std::string> reasons;
-    std::string text;
-    for (const CertifiedBlock& block : input_.blocks) {
-      for (const MapFeature& feature : block.features) {
-        const bool known = std::find(reasons.begin(), reasons.end(), feature.reason) != reasons.end();
-        if (!block.solution.tied || feature.name != name || feature.reason.empty() || known) continue;
-        reasons.push_back(feature.reason);
-        text += (text.empty() ? "" : "; ") + block.name + ": " + feature.reason;
-      }
-    }
-    return text.empty() ? "" : " (" + text + ")";
-  }
-
-  void ListMissing(const std::string& what, const std::string& why, const std::set<std::string>& found,
-                   std::vector<std::string>* list) const {
-    for (const ControlPoint& point : input_.network.points) {
-      if (point.role == PointRole::kCheck && !found.contains(point.name))
-        list->push_back(what + " " + point.name + why);
-    }
   }
 
   const CertifyInput& input_;

@@ -28,7 +28,9 @@ struct CertifyInput {
   std::vector<NamedFeature> reference_features;  // independently surveyed
   std::vector<SeamSummary> seams;
   std::optional<double> class_m;
-  double centring_sigma_m = 0.005;  // of the platform over a check point, 1 sigma per axis
+  std::vector<AccuracyClass> classes;  // of standards and contracts, judged beside class_m
+  double far_from_control_m = 30.0;    // places farther from used control are named
+  double centring_sigma_m = 0.005;     // of the platform over a check point, 1 sigma per axis
 };
 
 // What makes the checks dependent on the control, or the inputs contradict each other; empty when all is well.

@@ -4,6 +4,7 @@
 #include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
 namespace survey {
@@ -12,11 +13,14 @@ namespace {
 using DoubleOnly = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 using ChiSquare = boost::math::chi_squared_distribution<double, DoubleOnly>;
 using Fisher = boost::math::fisher_f_distribution<double, DoubleOnly>;
+using Normal = boost::math::normal_distribution<double, DoubleOnly>;
 using Beta = boost::math::beta_distribution<double, DoubleOnly>;
 
 }  // namespace
 
 double NormalCdf(double z) { return 0.5 * std::erfc(-z * std::sqrt(0.5)); }
+
+double NormalQuantile(double probability) { return quantile(Normal(), probability); }
 
 double ChiSquareQuantile(double probability, double degrees_of_freedom) {
   return quantile(ChiSquare(degrees_of_freedom), probability);
@@ -30,9 +34,11 @@ double FisherUpperTail(double value, double numerator_dof, double denominator_do
   return cdf(complement(Fisher(numerator_dof, denominator_dof), value));
 }
 
+double BetaQuantile(double probability, double alpha, double beta) { return quantile(Beta(alpha, beta), probability); }
+
 double LargestRate(int hits, int trials, double confidence) {
   if (hits == trials) return 1.0;
-  return quantile(Beta(hits + 1.0, static_cast<double>(trials - hits)), confidence);
+  return BetaQuantile(confidence, hits + 1.0, static_cast<double>(trials - hits));
 }
 
 }  // namespace survey

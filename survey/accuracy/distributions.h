@@ -7,9 +7,11 @@
 namespace survey {
 
 double NormalCdf(double z);
+double NormalQuantile(double probability);
 double ChiSquareQuantile(double probability, double degrees_of_freedom);
 double ChiSquareUpperTail(double value, double degrees_of_freedom);
 double FisherUpperTail(double value, double numerator_dof, double denominator_dof);
+double BetaQuantile(double probability, double alpha, double beta);
 
 // Clopper-Pearson: the largest rate that `hits` of `trials` does not contradict, one-sided at `confidence`. 1 when all
 // are hits. Precondition: 0 <= hits <= trials, trials > 0.

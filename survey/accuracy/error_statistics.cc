@@ -64,8 +64,8 @@ void AddSpread(std::span<const PositionError> errors, ErrorStatistics* statistic
   statistics->covariance = about_mean * n / (n - 1.0);
   statistics->nmad = NmadByAxis(errors);
   statistics->ce95 = CircularError(0.95, statistics->mean, *statistics->covariance);
-  if (statistics->num_points < 2) return;
-  statistics->effective_dof = EffectiveDof(second_moment, statistics->num_points);
+  if (statistics->num_independent < 2) return;
+  statistics->effective_dof = EffectiveDof(second_moment, statistics->num_independent);
   statistics->rmse_bounds_95 = RmseBounds95(statistics->rmse, *statistics->effective_dof);
   statistics->rmse_upper_95 = RmseUpper95(statistics->rmse, *statistics->effective_dof);
   statistics->rmse_product_upper_95 = std::hypot(*statistics->rmse_upper_95, statistics->rmse_survey);
@@ -89,16 +89,19 @@ double RmseUpper95(double rmse, double effective_dof) {
   return rmse * std::sqrt(effective_dof / ChiSquareQuantile(0.05, effective_dof));
 }
 
-ErrorStatistics Summarize(std::span<const PositionError> errors) {
+ErrorStatistics Summarize(std::span<const PositionError> errors, std::optional<int> num_independent) {
   ErrorStatistics statistics;
   if (errors.empty()) return statistics;
   statistics.num_errors = static_cast<int>(errors.size());
   statistics.num_points = NumPoints(errors);
+  statistics.num_independent = num_independent.value_or(statistics.num_points);
   double survey_variance = 0.0;
+  std::vector<double> lengths;
   for (const PositionError& error : errors) {
     statistics.mean += error.error;
     survey_variance += error.reference_covariance.trace();
-    statistics.max = std::max(statistics.max, error.error.norm());
+    lengths.push_back(error.error.norm());
+    statistics.max = std::max(statistics.max, lengths.back());
   }
   const auto n = static_cast<double>(errors.size());
   statistics.mean /= n;
@@ -107,6 +110,8 @@ ErrorStatistics Summarize(std::span<const PositionError> errors) {
   statistics.rmse_survey = std::sqrt(survey_variance / n);
   statistics.rmse_product = std::hypot(statistics.rmse, statistics.rmse_survey);
   statistics.nssda_95 = kNssdaFactor * statistics.rmse;
+  statistics.length_68 = EstimateQuantile(lengths, 0.683);
+  statistics.length_95 = EstimateQuantile(lengths, 0.95);
   if (errors.size() >= 2) AddSpread(errors, &statistics);
   return statistics;
 }

@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "survey/accuracy/error_quantile.h"
+
 namespace survey {
 
 // One error at one check. Several errors may belong to one point (seen in two blocks, occupied twice): they are not
@@ -33,6 +35,7 @@ struct BiasTest {
 struct ErrorStatistics {
   int num_errors = 0;
   int num_points = 0;                                      // distinct check points; everything below is zero without
+  int num_independent = 0;                                 // of the bounds: points, or blocks where errors cluster
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();          // east, north
   Eigen::Vector2d rmse_by_axis = Eigen::Vector2d::Zero();  // RMSE_x, RMSE_y
   double rmse = 0.0;                                       // RMSE_H1 = sqrt(RMSE_x^2 + RMSE_y^2): the fit to the checks
@@ -40,12 +43,14 @@ struct ErrorStatistics {
   double rmse_product = 0.0;                               // [ASPRS24] RMSE_H = sqrt(RMSE_H1^2 + RMSE_H2^2)
   double max = 0.0;                                        // longest error
   double nssda_95 = 0.0;                                   // 1.7308 RMSE_H1: circular error for equal axes
+  QuantileEstimate length_68;                              // of the lengths of the errors, 68.3 % and 95 %
+  QuantileEstimate length_95;
 
   // Two errors or more:
   std::optional<Eigen::Matrix2d> covariance;  // sample covariance about the mean, n - 1
   std::optional<Eigen::Vector2d> nmad;        // 1.4826 median |d - median d| by axis: spread that blunders spare
   std::optional<double> ce95;                 // radius that holds 95 % of N(mean, covariance), by quadrature
-  // Two points or more:
+  // Two independent errors or more:
   std::optional<double> effective_dof;          // nu = n (l1+l2)^2 / (l1^2+l2^2), l of the second-moment matrix
   std::optional<Bounds> rmse_bounds_95;         // two-sided confidence interval of RMSE_H1
   std::optional<double> rmse_upper_95;          // one-sided upper bound of RMSE_H1
@@ -54,7 +59,8 @@ struct ErrorStatistics {
   std::optional<BiasTest> bias;
 };
 
-ErrorStatistics Summarize(std::span<const PositionError> errors);
+// `num_independent` replaces the number of points in the bounds where errors at several points are not independent.
+ErrorStatistics Summarize(std::span<const PositionError> errors, std::optional<int> num_independent = {});
 
 // What the errors say about a class given as RMSE_H. `meets` and `demonstrated` are two claims and never merged.
 struct ClassVerdict {

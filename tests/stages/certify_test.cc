@@ -132,6 +132,41 @@ TEST_F(CertifyStageTest, AClassThatIsNotMetIsAVerdictNotAFailure) {
   EXPECT_FALSE(*Certificate().statement.meets);
 }
 
+TEST_F(CertifyStageTest, AnOfficeAddsItsClasses) {
+  const std::string added = "[[class]]\nstandard = \"Contract 7\"\nname = \"plan\"\nstatistic = \"rmse-axis\"\n";
+  formats::WriteFileAtomically(scratch_ / "classes.toml", added + "limit_m = 0.011\n");
+  ASSERT_EQ(Run({"--classes", "classes.toml"}).status, 0);
+  const std::vector<survey::ClassResult> classes = Certificate().points_analysis.classes;
+  ASSERT_EQ(classes.size(), 11U);  // four of LOA, six of DIN 18710 and the office's; none asked for, none in multiples
+  EXPECT_EQ(classes.front().accuracy_class.name, "LOA20");
+  EXPECT_EQ(classes.back().accuracy_class.standard, "Contract 7");
+  EXPECT_TRUE(classes.back().meets);
+  EXPECT_FALSE(classes.back().demonstrated);
+  ASSERT_EQ(Run({"--classes", "classes.toml", "--accuracy-class-m", "0.05"}).status, 0);
+  EXPECT_EQ(Certificate().points_analysis.classes.size(), 13U);
+  const std::string before = Bytes("out/certificate.json");
+  for (const auto& [bad, message] : {std::pair{"limit_m = -1\n", "limit_m"},
+                                     {"limit = 1\n", "needs either limit_m or times_class"},
+                                     {"limit_m = 1\nsigma = 2\n", "sigma"}}) {
+    formats::WriteFileAtomically(scratch_ / "classes.toml", added + bad);
+    const CommandResult result = Run({"--classes", "classes.toml"});
+    EXPECT_EQ(result.status, 1) << bad;
+    EXPECT_NE(result.err.find("classes.toml"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find(message), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(Bytes("out/certificate.json"), before);
+}
+
+TEST_F(CertifyStageTest, NamesWhatIsFarFromControl) {
+  ASSERT_EQ(Run({"--far-from-control-m", "25"}).status, 0);
+  const std::vector<std::string> list = Certificate().not_tested;
+  EXPECT_NE(std::find(list.begin(), list.end(),
+                      "Block B1: 34 m of its path lie farther than 25 m from its control, the farthest place (E 70, N "
+                      "5) 50 m: the map is extrapolated there."),
+            list.end())
+      << testing::PrintToString(list);
+}
+
 TEST_F(CertifyStageTest, NoneAndOneCheck) {
   network_.points.resize(4);
   formats::WriteControl(scratch_ / "control.sqlite", network_, kProvenance);

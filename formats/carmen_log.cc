@@ -180,15 +180,15 @@ void AddScans(std::vector<CarmenLaser>* lasers, const std::vector<StampNs>& repa
 }
 
 // From the laser lines where they carry it: that pose belongs to the scan, whereas ODOM lines must be brought to it by
-// clocks that old logging programs did not keep. From ODOM lines when the laser lines have none or always the same.
+// clocks that old logging programs did not keep. From ODOM lines when the laser lines have none or always the same; a
+// pose that never changes is no odometry.
 void AddOdometry(const std::vector<CarmenOdometry>& lines, const std::vector<CarmenLaser>& lasers, FieldData* data) {
   const auto moves = [&](const CarmenLaser& laser) {
     const Pose2 motion = survey::Between(*lasers.front().odom_from_body, *laser.odom_from_body);
     return motion.Translation().norm() > 0.0 || motion.theta != 0.0;
   };
-  const bool embedded = !lasers.empty() && lasers.front().odom_from_body &&
-                        (lines.empty() || std::any_of(lasers.begin(), lasers.end(), moves));
-  if (embedded) {
+  const bool stated = !lasers.empty() && lasers.front().odom_from_body;
+  if (stated && std::any_of(lasers.begin(), lasers.end(), moves)) {
     for (const CarmenLaser& laser : lasers) data->odometry.push_back({laser.stamp_ns, *laser.odom_from_body});
   } else {
     for (const CarmenOdometry& line : lines) data->odometry.push_back({line.stamp_ns, line.odom_from_body});

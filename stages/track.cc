@@ -24,9 +24,9 @@ void DeclareOptions(pipeline::Stage* stage, survey::TrackOptions* options) {
                 {.min = 0.0});
   stage->Option("insert-angle-rad", &options->insert_angle_rad, "... or this turn (rad)", {.min = 0.0});
   stage->Option("submap-nodes", &options->submap_nodes, "scans drawn into one submap", {.min = 2});
-  stage->Option("search-half-width-m", &options->search_half_width_m, "search window when a match is poor (m)",
+  stage->Option("search-half-width-m", &options->search_half_width_m, "farthest search when a match is poor (m)",
                 {.min = 0.0});
-  stage->Option("search-half-angle-rad", &options->search_half_angle_rad, "search window when a match is poor (rad)",
+  stage->Option("search-half-angle-rad", &options->search_half_angle_rad, "search when a match is poor (rad); twice that where nothing is found",
                 {.min = 0.0});
 }
 

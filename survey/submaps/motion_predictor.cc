@@ -114,8 +114,8 @@ PredictedPose MotionPredictor::Fuse(double dt) const {
     motion.theta += NormalizeAngle(estimate.motion->theta - motion.theta) / (estimate.variance_rad * weight_rad);
   }
   const double path = motion.Translation().norm();
-  double sigma_m = noise_.sigma_m + noise_.acceleration_m_s2 * t * t;
-  double sigma_rad = noise_.sigma_rad + noise_.acceleration_rad_s2 * t * t;
+  double sigma_m = noise_.sigma_m + noise_.acceleration_m_s2 * t * dt;
+  double sigma_rad = noise_.sigma_rad + noise_.acceleration_rad_s2 * t * dt;
   PredictedPose predicted;
   predicted.source = Prediction::kConstantVelocity;
   if (wheels_.motion) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/submaps/tracker.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include "survey/sensors/scan_points.h"
 #include "survey/submaps/marks.h"
@@ -13,11 +15,20 @@
 namespace survey {
 namespace {
 
+constexpr double kWidestSearch_m = 2.0;  // behind a gap of the scans
+
 struct ActiveSubmap {
   SubmapId id;
   Pose2 local_from_submap;
   std::unique_ptr<TrackingMap> map;
 };
+
+// The covariance of a prediction, scaled so that the pose is no farther off than is likely.
+Eigen::Matrix3d WidenedToHold(const Pose2& pose, const Pose2& predicted, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d offset(pose.x - predicted.x, pose.y - predicted.y, NormalizeAngle(pose.theta - predicted.theta));
+  const double squared_sigmas = offset.dot(covariance.llt().solve(offset)) / 3.0;
+  return covariance * std::max(1.0, squared_sigmas);
+}
 
 class Tracker {
  public:
@@ -62,9 +73,7 @@ class Tracker {
     const ActiveSubmap& submap = active_.front();
     const Pose2 submap_from_local = Inverse(submap.local_from_submap);
     const Pose2 start = submap_from_local * predicted.local_from_scan;
-    MatchResult match = submap.map->Match(prepared_, start, start, predicted.covariance, Start::kPredicted);
-    if (!match.usable || match.score < options_.poor_score_ratio * usual_score_)
-      match = SearchWider(*submap.map, start, predicted, match);
+    const MatchResult match = MatchOrSearch(*submap.map, start, predicted);
     if (!match.usable) return tracked;
     tracked.local_from_scan = submap.local_from_submap * match.map_from_scan;
     tracked.covariance = match.covariance;
@@ -73,14 +82,36 @@ class Tracker {
     return tracked;
   }
 
-  // The match from the prediction is poor: look around for a better one, and keep whichever explains the scan best.
-  MatchResult SearchWider(const TrackingMap& map, const Pose2& start, const PredictedPose& predicted,
-                          const MatchResult& first) const {
+  bool Below(double share_of_usual, const MatchResult& match) const {
+    return !match.usable || match.score < share_of_usual * usual_score_;
+  }
+
+  // From the prediction; where that explains the scan badly, around it as far as it is uncertain; and where that is of
+  // no help either, farther, because then the prediction is wrong by more than it says.
+  MatchResult MatchOrSearch(const TrackingMap& map, const Pose2& start, const PredictedPose& predicted) const {
+    MatchResult match = map.Match(prepared_, start, start, predicted.covariance, Start::kPredicted);
+    if (!Below(options_.doubtful_score_ratio, match)) return match;
+    const Window likely = {3.0 * std::sqrt(predicted.covariance(0, 0)), 3.0 * std::sqrt(predicted.covariance(2, 2))};
+    const Window near = {std::min(likely.half_width_m, options_.search_half_width_m),
+                         std::min(likely.half_angle_rad, options_.search_half_angle_rad)};
+    match = Search(map, start, predicted.covariance, near, match);
+    if (!Below(options_.poor_score_ratio, match)) return match;
+    const Window far = {std::clamp(likely.half_width_m, options_.search_half_width_m, kWidestSearch_m),
+                        std::clamp(likely.half_angle_rad, 2.0 * options_.search_half_angle_rad, std::numbers::pi)};
+    return Search(map, start, predicted.covariance, far, match);
+  }
+
+  struct Window {
+    double half_width_m;
+    double half_angle_rad;
+  };
+
+  // The best match in a window around the prediction: another one than `first` only where it explains the scan better.
+  MatchResult Search(const TrackingMap& map, const Pose2& start, const Eigen::Matrix3d& covariance,
+                     const Window& window, const MatchResult& first) const {
     MatchResult best = first;
-    const double half_width = std::min(options_.search_half_width_m, 3.0 * std::sqrt(predicted.covariance(0, 0)));
-    const double half_angle = std::min(options_.search_half_angle_rad, 3.0 * std::sqrt(predicted.covariance(2, 2)));
-    for (const Pose2& mode : map.Search(prepared_, start, half_width, half_angle)) {
-      const MatchResult match = map.Match(prepared_, mode, start, predicted.covariance, Start::kNear);
+    for (const Pose2& mode : map.Search(prepared_, start, window.half_width_m, window.half_angle_rad)) {
+      const MatchResult match = map.Match(prepared_, mode, start, WidenedToHold(mode, start, covariance), Start::kNear);
       if (match.usable && (!best.usable || match.score > best.score + options_.min_score_gain)) best = match;
     }
     return best;

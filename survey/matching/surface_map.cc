@@ -2,6 +2,7 @@
 #include "survey/matching/surface_map.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 namespace survey {
@@ -15,7 +16,6 @@ constexpr float kMaxNeighbourStep = 12.0F;
 constexpr float kSharpBeamSpacing_m = 0.03F;  // single points of wider beams weigh less
 constexpr float kMaxRoughness_m = 0.03F;      // rms distance from the line
 constexpr float kMaxAspect = 0.25F;           // rms across by rms along
-constexpr int kGrowthCells = 64;
 
 // Line through neighbouring points: second moments about their mean.
 struct Moments {
@@ -110,34 +110,58 @@ void SurfacePointsOfScan(std::span<const Eigen::Vector2f> hits, double spacing_m
 }
 
 SurfaceMap::SurfaceMap(double cell_size_m)
-    : cell_size_m_(cell_size_m), cells_per_m_(static_cast<float>(1.0 / cell_size_m)), surfels_(1) {}
+    : cell_size_m_(cell_size_m), cells_per_m_(static_cast<float>(1.0 / cell_size_m)) {}
 
 void SurfaceMap::Insert(const Pose2& map_from_scan, std::span<const SurfacePoint> points_in_scan) {
   if (points_in_scan.empty()) return;
   const Eigen::Matrix2f rotation = Rotation2(map_from_scan.theta).cast<float>();
   const Eigen::Vector2f translation = map_from_scan.Translation().cast<float>();
-  moved_.clear();
+  std::vector<SurfacePoint> moved;
+  moved.reserve(points_in_scan.size());
   Eigen::Vector2f low = translation;
   Eigen::Vector2f high = translation;
   for (const SurfacePoint& point : points_in_scan) {
-    moved_.push_back({rotation * point.position + translation, rotation * point.normal, point.weight});
-    low = low.cwiseMin(moved_.back().position);
-    high = high.cwiseMax(moved_.back().position);
+    moved.push_back({rotation * point.position + translation, rotation * point.normal, point.weight});
+    low = low.cwiseMin(moved.back().position);
+    high = high.cwiseMax(moved.back().position);
   }
   GrowToHold(low, high);
-  for (const SurfacePoint& point : moved_) Enter(point.position, point.normal);
+  for (const SurfacePoint& point : moved) Enter(point.position, point.normal);
+}
+
+SurfaceTile& SurfaceMap::OwnTile(int column, int row) {
+  std::shared_ptr<SurfaceTile>& tile =
+      tiles_[IndexOf((column >> SurfaceTile::kBits) - min_x_, (row >> SurfaceTile::kBits) - min_y_)];
+  if (tile == nullptr) {
+    tile = std::make_shared<SurfaceTile>();
+  } else if (tile.use_count() > 1) {
+    tile = std::make_shared<SurfaceTile>(*tile);
+  } else {
+    // The last other owner may have let go in another thread: see all that it did.
+    std::atomic_thread_fence(std::memory_order_acquire);
+  }
+  return *tile;
+}
+
+void SurfaceMap::MarkNear(int column, int row) {
+  for (int r = row - 1; r <= row + 1; ++r) {
+    for (int c = column - 1; c <= column + 1; ++c) {
+      const SurfaceTile* tile = TileAt(c, r);
+      const std::size_t cell = SurfaceTile::CellOf(c, r);
+      if (tile != nullptr && (tile->cells[cell] & SurfaceTile::kNear) != 0) continue;
+      OwnTile(c, r).cells[cell] |= SurfaceTile::kNear;
+    }
+  }
 }
 
 void SurfaceMap::Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) {
-  const int column = static_cast<int>(std::floor(p.x() * cells_per_m_)) - min_column_;
-  const int row = static_cast<int>(std::floor(p.y() * cells_per_m_)) - min_row_;
-  std::uint32_t* link = &first_[IndexOf(column, row)];
-  if (*link == 0) {
-    for (int r = row - 1; r <= row + 1; ++r)
-      for (int c = column - 1; c <= column + 1; ++c) near_[IndexOf(c, r)] = 1;
-  }
-  while (*link != 0) {
-    Surfel& surfel = surfels_[*link];
+  const int column = static_cast<int>(std::floor(p.x() * cells_per_m_));
+  const int row = static_cast<int>(std::floor(p.y() * cells_per_m_));
+  SurfaceTile& tile = OwnTile(column, row);
+  std::uint16_t& cell = tile.cells[SurfaceTile::CellOf(column, row)];
+  std::uint32_t last = 0;
+  for (std::uint32_t i = cell & SurfaceTile::kIndex; i != 0; i = tile.surfels[i].next) {
+    Surfel& surfel = tile.surfels[i];
     if (surfel.normal_sum.dot(normal) >= 0.0F) {
       surfel.count += 1.0F;
       surfel.mean += (p - surfel.mean) / surfel.count;
@@ -147,68 +171,71 @@ void SurfaceMap::Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) 
                                                    : Eigen::Vector2f(Eigen::Vector2f::Zero());
       return;
     }
-    link = &surfel.next;
+    last = i;
   }
-  *link = static_cast<std::uint32_t>(surfels_.size());
-  surfels_.push_back({.mean = p, .normal_sum = normal, .normal = normal, .count = 1.0F, .next = 0});
+  const auto added = static_cast<std::uint32_t>(tile.surfels.size());
+  tile.surfels.push_back({.mean = p, .normal_sum = normal, .normal = normal, .count = 1.0F, .next = 0});
+  if (last != 0) {
+    tile.surfels[last].next = added;
+    return;
+  }
+  cell = static_cast<std::uint16_t>(cell | added);
+  MarkNear(column, row);
 }
 
 const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const {
-  const int column = static_cast<int>(std::floor(p.x() * cells_per_m_)) - min_column_;
-  const int row = static_cast<int>(std::floor(p.y() * cells_per_m_)) - min_row_;
-  // The outermost ring of cells is always empty, see GrowToHold.
-  if (column < 1 || row < 1 || column >= width_ - 1 || row >= height_ - 1) return nullptr;
-  if (near_[IndexOf(column, row)] == 0) return nullptr;
+  const int column = static_cast<int>(std::floor(p.x() * cells_per_m_));
+  const int row = static_cast<int>(std::floor(p.y() * cells_per_m_));
+  const SurfaceTile* centre = TileAt(column, row);
+  if (centre == nullptr || (centre->cells[SurfaceTile::CellOf(column, row)] & SurfaceTile::kNear) == 0) return nullptr;
   const Surfel* nearest = nullptr;
   float nearest_square = std::numeric_limits<float>::max();
+  const auto visit = [&](const SurfaceTile& tile, std::size_t cell) {
+    for (std::uint32_t i = tile.cells[cell] & SurfaceTile::kIndex; i != 0; i = tile.surfels[i].next) {
+      const Surfel& surfel = tile.surfels[i];
+      if (surfel.normal.dot(normal) < 0.0F) continue;
+      const float square = (surfel.mean - p).squaredNorm();
+      if (square >= nearest_square) continue;
+      nearest_square = square;
+      nearest = &surfel;
+    }
+  };
+  constexpr unsigned kInner = SurfaceTile::kCells - 2;
+  const auto inner = [](int i) { return static_cast<unsigned>((i & (SurfaceTile::kCells - 1)) - 1) < kInner; };
+  const bool one_tile = inner(column) && inner(row);
   for (int r = row - 1; r <= row + 1; ++r) {
-    const std::uint32_t* cell = &first_[IndexOf(column - 1, r)];
-    for (int c = 0; c < 3; ++c) {
-      for (std::uint32_t i = cell[c]; i != 0; i = surfels_[i].next) {
-        const Surfel& surfel = surfels_[i];
-        if (surfel.normal.dot(normal) < 0.0F) continue;
-        const float square = (surfel.mean - p).squaredNorm();
-        if (square >= nearest_square) continue;
-        nearest_square = square;
-        nearest = &surfel;
-      }
+    for (int c = column - 1; c <= column + 1; ++c) {
+      const SurfaceTile* tile = one_tile ? centre : TileAt(c, r);
+      if (tile != nullptr) visit(*tile, SurfaceTile::CellOf(c, r));
     }
   }
   return nearest;
 }
 
 void SurfaceMap::GrowToHold(const Eigen::Vector2f& low, const Eigen::Vector2f& high) {
-  const int low_column = static_cast<int>(std::floor(low.x() * cells_per_m_)) - 2;
-  const int low_row = static_cast<int>(std::floor(low.y() * cells_per_m_)) - 2;
-  const int high_column = static_cast<int>(std::floor(high.x() * cells_per_m_)) + 2;
-  const int high_row = static_cast<int>(std::floor(high.y() * cells_per_m_)) + 2;
-  const bool empty = width_ == 0;
-  if (!empty && low_column >= min_column_ && low_row >= min_row_ && high_column < min_column_ + width_ &&
-      high_row < min_row_ + height_) {
-    return;
-  }
-  const int min_column = empty ? low_column : std::min(min_column_, low_column - kGrowthCells);
-  const int min_row = empty ? low_row : std::min(min_row_, low_row - kGrowthCells);
-  const int end_column = std::max(empty ? high_column + 1 : min_column_ + width_, high_column + kGrowthCells);
-  const int end_row = std::max(empty ? high_row + 1 : min_row_ + height_, high_row + kGrowthCells);
-  const int width = end_column - min_column;
-  const int height = end_row - min_row;
-  const auto moved = [&](const auto& cells) {
-    std::remove_cvref_t<decltype(cells)> result(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), 0);
-    for (int row = 0; row < height_; ++row) {
-      const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(row) * width_;
-      std::copy(
-          begin, begin + width_,
-          result.begin() + static_cast<std::ptrdiff_t>(row + min_row_ - min_row) * width + (min_column_ - min_column));
-    }
-    return result;
+  // One cell more than the points need: their neighbours are marked.
+  const auto tile_of = [&](float p, int margin) {
+    return (static_cast<int>(std::floor(p * cells_per_m_)) + margin) >> SurfaceTile::kBits;
   };
-  first_ = moved(first_);
-  near_ = moved(near_);
-  min_column_ = min_column;
-  min_row_ = min_row;
+  const bool empty = width_ == 0;
+  const int min_x = empty ? tile_of(low.x(), -1) : std::min(min_x_, tile_of(low.x(), -1));
+  const int min_y = empty ? tile_of(low.y(), -1) : std::min(min_y_, tile_of(low.y(), -1));
+  const int end_x = std::max(empty ? min_x : min_x_ + width_, tile_of(high.x(), 1) + 1);
+  const int end_y = std::max(empty ? min_y : min_y_ + height_, tile_of(high.y(), 1) + 1);
+  if (min_x == min_x_ && min_y == min_y_ && end_x == min_x_ + width_ && end_y == min_y_ + height_) return;
+  const int width = end_x - min_x;
+  std::vector<std::shared_ptr<SurfaceTile>> tiles(static_cast<std::size_t>(width) *
+                                                  static_cast<std::size_t>(end_y - min_y));
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x)
+      tiles[static_cast<std::size_t>(y + min_y_ - min_y) * static_cast<std::size_t>(width) +
+            static_cast<std::size_t>(x + min_x_ - min_x)] = std::move(tiles_[IndexOf(x, y)]);
+  }
+  tiles_ = std::move(tiles);
+  min_x_ = min_x;
+  min_y_ = min_y;
   width_ = width;
-  height_ = height;
+  height_ = end_y - min_y;
 }
 
 }  // namespace survey

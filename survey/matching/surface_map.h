@@ -2,12 +2,15 @@
 //
 // A map of surfaces below the cell: each cell keeps the mean and the normal of the end points that fell into it, so
 // that walls stand where the beams hit them on average and not on a raster. The map side of MatchToSurfaces. Frame: the
-// caller's, metres.
+// caller's, metres. The cells lie in square tiles that copies of a map share until one of them draws there, so that the
+// maps of many particles cost little more than one.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -35,7 +38,21 @@ struct Surfel {
   Eigen::Vector2f normal_sum = Eigen::Vector2f::Zero();
   Eigen::Vector2f normal = Eigen::Vector2f::Zero();  // unit; zero where the points had none
   float count = 0.0F;
-  std::uint32_t next = 0;  // another one in the same cell that faces another way; 0: none
+  std::uint32_t next = 0;  // of its tile: another one in the same cell that faces another way; 0: none
+};
+
+// 32 x 32 cells. A cell holds the index of its first surfel, 0: none, and whether a surfel lies here or beside.
+struct SurfaceTile {
+  static constexpr int kBits = 5;
+  static constexpr int kCells = 1 << kBits;
+  static constexpr std::uint16_t kNear = 0x8000;
+  static constexpr std::uint16_t kIndex = 0x7fff;
+  static std::size_t CellOf(int column, int row) {
+    return static_cast<std::size_t>(((row & (kCells - 1)) << kBits) + (column & (kCells - 1)));
+  }
+
+  std::array<std::uint16_t, std::size_t{kCells} * kCells> cells{};
+  std::vector<Surfel> surfels = std::vector<Surfel>(1);  // the one at 0 is not used
 };
 
 class SurfaceMap {
@@ -51,34 +68,39 @@ class SurfaceMap {
 
   // Whether a surface lies in the cell of the point or beside it: for searches.
   bool Near(float x, float y) const {
-    const int column = static_cast<int>(std::floor(x * cells_per_m_)) - min_column_;
-    const int row = static_cast<int>(std::floor(y * cells_per_m_)) - min_row_;
-    return Inside(column, row) && near_[IndexOf(column, row)] != 0;
+    const int column = static_cast<int>(std::floor(x * cells_per_m_));
+    const int row = static_cast<int>(std::floor(y * cells_per_m_));
+    const SurfaceTile* tile = TileAt(column, row);
+    return tile != nullptr && (tile->cells[SurfaceTile::CellOf(column, row)] & SurfaceTile::kNear) != 0;
   }
 
   double cell_size_m() const { return cell_size_m_; }
 
  private:
-  bool Inside(int column, int row) const {
-    return static_cast<unsigned>(column) < static_cast<unsigned>(width_) &&
-           static_cast<unsigned>(row) < static_cast<unsigned>(height_);
+  // Null where nothing was drawn yet.
+  const SurfaceTile* TileAt(int column, int row) const {
+    const int x = (column >> SurfaceTile::kBits) - min_x_;
+    const int y = (row >> SurfaceTile::kBits) - min_y_;
+    const bool inside = static_cast<unsigned>(x) < static_cast<unsigned>(width_) &&
+                        static_cast<unsigned>(y) < static_cast<unsigned>(height_);
+    return inside ? tiles_[IndexOf(x, y)].get() : nullptr;
   }
-  std::size_t IndexOf(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(column);
+  std::size_t IndexOf(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
   void GrowToHold(const Eigen::Vector2f& low, const Eigen::Vector2f& high);
+  // The tile of a cell, made this map's own: copied if another map shares it.
+  SurfaceTile& OwnTile(int column, int row);
   void Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal);
+  void MarkNear(int column, int row);
 
   double cell_size_m_;
   float cells_per_m_;
-  int min_column_ = 0;
-  int min_row_ = 0;
+  int min_x_ = 0;  // of the tiles
+  int min_y_ = 0;
   int width_ = 0;
   int height_ = 0;
-  std::vector<std::uint32_t> first_;  // by cell: its first surfel, 0: none
-  std::vector<std::uint8_t> near_;    // by cell: a surfel here or beside
-  std::vector<Surfel> surfels_;       // the one at 0 is not used
-  std::vector<SurfacePoint> moved_;   // of the scan at hand, in the map's frame
+  std::vector<std::shared_ptr<SurfaceTile>> tiles_;
 };
 
 }  // namespace survey

@@ -7,6 +7,8 @@
 
 #include "formats/artefacts.h"
 #include "pipeline/stage.h"
+#include "survey/particles/filtered_track.h"
+#include "survey/particles/particle_filter.h"
 #include "survey/submaps/tracker.h"
 
 namespace {
@@ -64,6 +66,32 @@ survey::InertialOptions Inertial(const ImuSheet& sheet, survey::InertialNoise no
   return options;
 }
 
+void DeclareFilter(pipeline::Stage* stage, survey::ParticleFilterOptions* options) {
+  stage->Option("particles", &options->particles, "of the particle filter", {.min = 1, .max = 10000});
+  stage->Option("seed", &options->seed, "of the particle filter's random numbers", {.min = 0, .max = 9e15});
+  stage->Option("update-distance-m", &options->update_distance_m,
+                "the particle filter is updated after this motion (m) ...", {.min = 0.01});
+  stage->Option("update-angle-rad", &options->update_angle_rad, "... or this turn (rad)", {.min = 0.01});
+  stage->Option("motion-sigma-m", &options->matched_sigma_m_per_rtm,
+                "what matched motion gets wrong: m per square root of m", {.min = 1e-5, .max = 1.0});
+  stage->Option("motion-sigma-rad", &options->matched_sigma_rad_per_rtm, "... and rad per square root of m",
+                {.min = 1e-6, .max = 1.0});
+  stage->Option("resampling-share", &options->resampling_share,
+                "particles are resampled when their effective number is below this share", {.min = 0.0, .max = 1.0});
+}
+
+// [AS]: the filter's poses along its best trajectory.
+survey::Track Filter(const survey::Session& session, const survey::Track& local, const survey::TrackOptions& tracking,
+                     const survey::ParticleFilterOptions& options, const pipeline::StageRun& run) {
+  const auto updates = static_cast<std::int64_t>(survey::ScansForUpdates(local, options).size());
+  pipeline::Progress progress = run.Track("updates", updates);
+  const survey::TrajectoryTree tree = survey::RunParticleFilter(
+      session, local, tracking, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
+  survey::Track track = survey::FollowBestTrajectory(session, local, tree);
+  survey::AddFilterRequests(tree, &track);
+  return track;
+}
+
 std::string Summary(const survey::Track& track) {
   const survey::NavigationSummary& by = track.navigation;
   char navigated[160];
@@ -84,23 +112,29 @@ int main(int argc, char** argv) {
   std::filesystem::path session_file;
   std::filesystem::path output;
   survey::TrackOptions options;
+  std::string engine = "scan-matching";
   std::string matcher = "surfaces";
   stage.Input("session", &session_file, "session of the block");
   stage.Output("output", &output, "track.sqlite to write");
+  stage.Option("engine", &engine, "scan-matching [CN], or particle-filter [AS] on top of it",
+               {"scan-matching", "particle-filter"});
   stage.Option("matcher", &matcher, "surfaces, or occupancy: [CN] eq. (6)-(7) as written", {"surfaces", "occupancy"});
   bool use_odometry = true;
   stage.Option("use-odometry", &use_odometry, "false: as if the wheels had not been recorded");
   DeclareOptions(&stage, &options);
   ImuSheet imu;
   DeclareImu(&stage, &imu, &options.inertial.noise);
+  survey::ParticleFilterOptions filter;
+  DeclareFilter(&stage, &filter);
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     if (matcher == "occupancy") options.map.matcher = survey::Matcher::kOccupancy;
     survey::Session session = formats::ReadSession(session_file);
     options.inertial = Inertial(imu, options.inertial.noise);
     if (!use_odometry) session.odometry.clear();
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(session.scans.size()));
-    const survey::Track track = survey::TrackBlock(
+    survey::Track track = survey::TrackBlock(
         session, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
+    if (engine == "particle-filter") track = Filter(session, track, options, filter, run);
     formats::WriteTrack(output, track, survey::StampsOfScans(session), run.Provenance());
     for (const survey::TrackBreak& gap : survey::BreaksOf(track))
       run.Warn("the track may be broken at scan " + std::to_string(gap.scan.value) + ": " + gap.message);

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The track of a block along the best trajectory of its particle filter.
+#pragma once
+
+#include <vector>
+
+#include "survey/particles/trajectory_tree.h"
+#include "survey/submaps/track.h"
+
+namespace survey {
+
+// `local` is the track of the scan matcher. Between two updates its motion is bent to fit both; submaps move with their
+// first nodes; constraints and marks are measured anew along the trajectory.
+Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree);
+
+// Requests where the particles disagreed: one for each stretch in which the effective sample size dropped again and
+// again, at its worst place, and "break" where no particle had a weight.
+void AddFilterRequests(const TrajectoryTree& tree, Track* track);
+
+}  // namespace survey

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/particles/particle_filter.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+#include "survey/particles/weights.h"
+#include "survey/sensors/scan_points.h"
+#include "survey/stats/philox.h"
+#include "survey/submaps/rendering.h"
+
+namespace survey {
+namespace {
+
+enum class Purpose : std::uint32_t { kProposal = 0x70660001U, kResampling };
+
+struct Particle {
+  Pose2 pose;
+  double evidence = 0.0;
+  ParticleMap map;
+};
+
+// Motion of the platform from one update to the next, covariance in the frame of the former.
+struct Motion {
+  Pose2 motion;
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
+};
+
+class Filter {
+ public:
+  Filter(const Session& session, const Track& track, const TrackOptions& tracking, const ParticleFilterOptions& options)
+      : session_(session),
+        track_(track),
+        tracking_(tracking),
+        options_(options),
+        projector_(session.geometries, tracking.max_range_m, 0.0),
+        particles_(static_cast<std::size_t>(options.particles),
+                   Particle{.map = {SurfaceMap(tracking.map.surface_cell_size_m),
+                                    SurfaceMap(tracking.map.coarse_surface_cell_size_m)}}),
+        log_weights_(particles_.size(), -std::log(static_cast<double>(options.particles))) {}
+
+  void Update(ScanId scan) {
+    Prepare(scan);
+    FilterUpdate update{.scan = scan};
+    if (tree_.empty()) {
+      Begin(scan);
+    } else {
+      Propagate(scan);
+    }
+    update.lost = !NormalizeLogWeights(&log_weights_);
+    update.effective_size = EffectiveSampleSize(log_weights_);
+    update.spread = Spread();
+    update.resampled = update.effective_size < options_.resampling_share * static_cast<double>(options_.particles);
+    update.parents = update.resampled ? Resample(scan) : Unchanged();
+    Draw();
+    for (const Particle& particle : particles_) {
+      update.poses.push_back(particle.pose);
+      update.evidence.push_back(particle.evidence);
+    }
+    update.log_weights = log_weights_;
+    tree_.push_back(std::move(update));
+  }
+
+  TrajectoryTree Finish() { return std::move(tree_); }
+
+ private:
+  const Pose2& Tracked(std::size_t i) const { return track_.scans[i].local_from_scan; }
+
+  void Prepare(ScanId scan) {
+    const auto index = static_cast<std::size_t>(scan.value);
+    projector_.Project(session_.scans[index],
+                       TwistOfScan(
+                           session_.scans, [this](std::size_t i) { return Tracked(i); }, index),
+                       &points_);
+    SurfacePointsOfScan(points_.hits, tracking_.map.point_spacing_m, static_cast<std::size_t>(tracking_.map.max_points),
+                        &surfaces_);
+  }
+
+  void Begin(ScanId scan) {
+    for (Particle& particle : particles_) particle.pose = Tracked(static_cast<std::size_t>(scan.value));
+  }
+
+  Motion MotionTo(ScanId scan) const {
+    const auto first = static_cast<std::size_t>(tree_.back().scan.value);
+    const auto last = static_cast<std::size_t>(scan.value);
+    double variance_m = 1e-6;
+    double variance_rad = 1e-7;
+    const auto square = [](double value) { return value * value; };
+    for (std::size_t i = first + 1; i <= last; ++i) {
+      const Pose2 step = Between(Tracked(i - 1), Tracked(i));
+      const double way = step.Translation().norm() + std::abs(step.theta);
+      const bool matched = track_.scans[i].matched;
+      variance_m += way * square(matched ? options_.matched_sigma_m_per_rtm : options_.unmatched_sigma_m_per_rtm);
+      variance_rad += way * square(matched ? options_.matched_sigma_rad_per_rtm : options_.unmatched_sigma_rad_per_rtm);
+    }
+    return {Between(Tracked(first), Tracked(last)), Eigen::Vector3d(variance_m, variance_m, variance_rad).asDiagonal()};
+  }
+
+  // Pose propagation, scan matching and importance weighting of [AS] section III.
+  void Propagate(ScanId scan) {
+    const Motion motion = MotionTo(scan);
+    tbb::parallel_for(std::size_t{0}, particles_.size(), [&](std::size_t i) {
+      Particle& particle = particles_[i];
+      const Proposal proposal =
+          ProposePose(particle.map, surfaces_, particle.pose * motion.motion,
+                      RotatedCovariance(motion.covariance, particle.pose.theta), options_.proposal);
+      particle.pose = SamplePose(proposal.mean, proposal.covariance, Normals(scan, i));
+      particle.evidence += proposal.log_weight;
+      log_weights_[i] += proposal.log_weight;
+    });
+  }
+
+  Eigen::Vector3d Normals(ScanId scan, std::size_t particle) const {
+    const RandomStream stream(static_cast<std::uint64_t>(options_.seed), static_cast<std::uint32_t>(Purpose::kProposal),
+                              static_cast<std::uint32_t>(particle));
+    const std::uint64_t index = 2 * static_cast<std::uint64_t>(scan.value);
+    const auto [a, b] = stream.Normals(index);
+    return {a, b, stream.Normal(index + 1)};
+  }
+
+  std::vector<int> Resample(ScanId scan) {
+    const RandomStream stream(static_cast<std::uint64_t>(options_.seed),
+                              static_cast<std::uint32_t>(Purpose::kResampling), 0);
+    std::vector<int> parents =
+        SystematicResampling(log_weights_, stream.Uniform(static_cast<std::uint64_t>(scan.value)));
+    std::vector<Particle> chosen;
+    chosen.reserve(particles_.size());
+    for (const int parent : parents) chosen.push_back(particles_[static_cast<std::size_t>(parent)]);
+    particles_ = std::move(chosen);
+    std::fill(log_weights_.begin(), log_weights_.end(), -std::log(static_cast<double>(options_.particles)));
+    return parents;
+  }
+
+  std::vector<int> Unchanged() const {
+    std::vector<int> parents;
+    for (int i = 0; i < options_.particles; ++i) parents.push_back(i);
+    return parents;
+  }
+
+  void Draw() {
+    tbb::parallel_for(std::size_t{0}, particles_.size(),
+                      [&](std::size_t i) { particles_[i].map.Insert(particles_[i].pose, surfaces_); });
+  }
+
+  // Weighted standard deviations about the weighted mean.
+  Pose2 Spread() const {
+    const Pose2& origin = particles_.front().pose;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < particles_.size(); ++i) {
+      const Pose2& pose = particles_[i].pose;
+      const Eigen::Vector3d d(pose.x - origin.x, pose.y - origin.y, NormalizeAngle(pose.theta - origin.theta));
+      sum += std::exp(log_weights_[i]) * d;
+      squares += std::exp(log_weights_[i]) * d.cwiseProduct(d);
+    }
+    return Pose2::FromVector((squares - sum.cwiseProduct(sum)).cwiseMax(0.0).cwiseSqrt());
+  }
+
+  const Session& session_;
+  const Track& track_;
+  const TrackOptions& tracking_;
+  const ParticleFilterOptions& options_;
+  ScanProjector projector_;
+  std::vector<Particle> particles_;
+  std::vector<double> log_weights_;
+  TrajectoryTree tree_;
+  ScanPoints points_;  // of the scan at hand
+  std::vector<SurfacePoint> surfaces_;
+};
+
+}  // namespace
+
+std::vector<ScanId> ScansForUpdates(const Track& track, const ParticleFilterOptions& options) {
+  constexpr double kSooner = 0.2;
+  std::vector<ScanId> scans;
+  double usual_score = 0.5;
+  Pose2 last;
+  for (const TrackedScan& scan : track.scans) {
+    const Pose2 motion = Between(last, scan.local_from_scan);
+    const double part = std::max(motion.Translation().norm() / options.update_distance_m,
+                                 std::abs(motion.theta) / options.update_angle_rad);
+    const bool poor = scan.matched && static_cast<double>(scan.score) < options.poor_score_ratio * usual_score;
+    if (scan.matched) usual_score += 0.02 * (static_cast<double>(scan.score) - usual_score);
+    if (!scans.empty() && part < (poor ? kSooner : 1.0)) continue;
+    scans.push_back(scan.scan);
+    last = scan.local_from_scan;
+  }
+  return scans;
+}
+
+TrajectoryTree RunParticleFilter(const Session& session, const Track& track, const TrackOptions& tracking,
+                                 const ParticleFilterOptions& options,
+                                 const std::function<void(std::size_t)>& progress) {
+  Filter filter(session, track, tracking, options);
+  std::size_t done = 0;
+  for (const ScanId scan : ScansForUpdates(track, options)) {
+    filter.Update(scan);
+    if (progress) progress(++done);
+  }
+  return filter.Finish();
+}
+
+}  // namespace survey

@@ -98,9 +98,9 @@ std::string AuxXmlOf(const RasterLabel& label) {
   char* escaped = CPLEscapeString(wkt, -1, CPLES_XML_BUT_QUOTES);
   std::string axes;
   for (const int axis : crs.GetDataAxisToSRSAxisMapping()) axes += (axes.empty() ? "" : ",") + std::to_string(axis);
-  const std::string text = "<PAMDataset>\n  <SRS dataAxisToSRSAxisMapping=\"" + axes + "\">" + escaped +
-                           "</SRS>\n  <Metadata>\n    <MDI key=\"PLUMBLINE_TIED\">" + (label.tied ? "yes" : "no") +
-                           "</MDI>\n  </Metadata>\n</PAMDataset>\n";
+  std::string text = "<PAMDataset>\n  <SRS dataAxisToSRSAxisMapping=\"" + axes + "\">" + escaped +
+                     "</SRS>\n  <Metadata>\n    <MDI key=\"PLUMBLINE_TIED\">" + (label.tied ? "yes" : "no") +
+                     "</MDI>\n  </Metadata>\n</PAMDataset>\n";
   CPLFree(escaped);
   CPLFree(wkt);
   return text;

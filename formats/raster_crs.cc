@@ -45,7 +45,7 @@ std::string Wkt2OfCrs(const std::string& crs) {
   char* text = nullptr;
   const char* const export_options[] = {"FORMAT=WKT2_2019", "MULTILINE=NO", nullptr};
   const OGRErr status = reference.exportToWkt(&text, export_options);
-  const std::string wkt2 = text == nullptr ? "" : text;
+  std::string wkt2 = text == nullptr ? "" : text;
   CPLFree(text);
   if (status != OGRERR_NONE || wkt2.empty())
     throw UsageError("crs = \"" + crs + "\": cannot be written as WKT2: " + session.failure());

@@ -98,7 +98,7 @@ void TomlSection::Numbers(const std::string& key, std::vector<double>* values, s
 Eigen::Vector2d TomlSection::PointOf(const toml::node& node, const std::string& key) const {
   const toml::array* array = node.as_array();
   if (array != nullptr && array->size() == 2 && (*array)[0].is_number() && (*array)[1].is_number()) {
-    const Eigen::Vector2d point(*(*array)[0].value<double>(), *(*array)[1].value<double>());
+    Eigen::Vector2d point(*(*array)[0].value<double>(), *(*array)[1].value<double>());
     if (point.allFinite()) return point;
   }
   Fail(&node, key + ": must be a point [x, y]");

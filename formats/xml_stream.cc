@@ -158,7 +158,7 @@ std::string XmlElement::Text(const std::string& attribute) {
 }
 
 std::string XmlElement::NeededText(const std::string& attribute) {
-  const std::string text = Text(attribute);
+  std::string text = Text(attribute);
   if (text.empty()) Fail("attribute " + attribute + " is missing");
   return text;
 }

@@ -410,7 +410,7 @@ void Stage::Option(const std::string& name, bool* value, const std::string& help
 }
 
 void Stage::Option(const std::string& name, std::string* value, const std::string& help,
-                   std::vector<std::string> allowed) {
+                   const std::vector<std::string>& allowed) {
   CLI::Option* cli = impl_->app.add_option("--" + name, *value, help)->capture_default_str()->group("Options");
   impl_->AddKey(name, {Describe(name, "string", help, {}, allowed),
                        [value](const toml::node& node, const std::string& where) {
@@ -431,7 +431,7 @@ void Stage::Flag(const std::string& name, bool* value, const std::string& help) 
 }
 
 void Stage::Text(const std::string& name, std::string* value, const std::string& help,
-                 std::vector<std::string> allowed) {
+                 const std::vector<std::string>& allowed) {
   CLI::Option* option = impl_->app.add_option("--" + name, *value, help)->group("Options");
   if (!allowed.empty()) option->check(CLI::IsMember(allowed));
 }

@@ -5,9 +5,11 @@
 // configure` extracts); the command line wins. Unknown options and keys are errors.
 //
 //   int main(int argc, char** argv) {
-//     pipeline::Stage stage("track", "Estimate the pose of every scan in the block's local frame.", "plumbline track
-//     --session ..."); std::filesystem::path session_file, output; survey::TrackOptions options; stage.Input("session",
-//     &session_file, "session.sqlite of the block"); stage.Output("output", &output, "track.sqlite to write");
+//     pipeline::Stage stage("track", "Estimate the pose of every scan.", "plumbline track --session ...");
+//     std::filesystem::path session_file, output;
+//     survey::TrackOptions options;
+//     stage.Input("session", &session_file, "session.sqlite of the block");
+//     stage.Output("output", &output, "track.sqlite to write");
 //     stage.Option("submap-length-m", &options.submap_length_m, "path length of a submap (m)", {.min = 0.5});
 //     return stage.Run(argc, argv, [&](pipeline::StageRun& run) { ... });
 //   }
@@ -133,11 +135,11 @@ class Stage {
   void Option(const std::string& name, std::int64_t* value, const std::string& help, Range range = {});
   void Option(const std::string& name, bool* value, const std::string& help);
   void Option(const std::string& name, std::string* value, const std::string& help,
-              std::vector<std::string> allowed = {});
+              const std::vector<std::string>& allowed = {});
   // Flags that do not shape the output (show, status): command line only.
   void Flag(const std::string& name, bool* value, const std::string& help);
   void Text(const std::string& name, std::string* value, const std::string& help,
-            std::vector<std::string> allowed = {});
+            const std::vector<std::string>& allowed = {});
   void Positional(const std::string& name, std::filesystem::path* file, const std::string& help);
 
   int Run(int argc, char** argv, const std::function<void(StageRun&)>& body);

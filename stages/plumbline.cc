@@ -66,7 +66,7 @@ std::vector<std::string> ListInGraph(const fs::path& graph, const std::string& v
 }
 
 fs::path GraphFile() {
-  const fs::path graph = pipeline::OwnFolder().parent_path() / "share" / "plumbline" / "plumbline.mk";
+  fs::path graph = pipeline::OwnFolder().parent_path() / "share" / "plumbline" / "plumbline.mk";
   if (!fs::exists(graph)) throw DataError(graph.string() + ": no such file; is Plumbline whole?");
   return graph;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Eigenvalues and eigenvectors of a symmetric 2 x 2 matrix in closed form, as of a covariance (m2) for its error ellipse.
+// Eigenvalues and eigenvectors of a symmetric 2 x 2 matrix in closed form, as of a covariance (m2) for its error
+// ellipse.
 #pragma once
 
 #include <Eigen/Core>

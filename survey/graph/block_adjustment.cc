@@ -198,9 +198,11 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
   solution.navigation = track.navigation;
   solution.breaks = BreaksOf(track);
   if (num_points == 1 && !options.allow_single_point) {
-    return Failed(
-        "only one control point is marked in the block: it fixes the place but not the direction; mark a second one or "
-        "set allow-single-point");
+    const auto marked = std::find_if(block.point_names.begin(), block.point_names.end(),
+                                     [&](const std::string& name) { return given.contains(name); });
+    return Failed("the block's marks.csv stands on one control point only, " + *marked +
+                  ": it fixes the place but not the direction; mark a second one, or set allow-single-point = true "
+                  "under [adjust] in block.toml");
   }
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();
   std::vector<Eigen::Vector2d> rigid_positions(block.graph.marks.size(), Eigen::Vector2d::Zero());

@@ -170,7 +170,7 @@ Eigen::Matrix<double, 2, 15> BodyVelocityDesign(const InertialState& state) {
 bool ErrorStateFilter::UpdateBodyVelocity(const Eigen::Vector2d& v_in_body, double sigma_m_s) {
   const Vector3d v = state_.local_from_body.conjugate() * state_.v_in_local;
   return Update(BodyVelocityDesign(state_), v_in_body - v.head<2>(),
-                   sigma_m_s * sigma_m_s * Eigen::Matrix2d::Identity(), kGate2);
+                sigma_m_s * sigma_m_s * Eigen::Matrix2d::Identity(), kGate2);
 }
 
 bool ErrorStateFilter::UpdateLevelVelocity(double sigma_m_s) {

@@ -31,7 +31,10 @@ class Checks {
 
   std::vector<SessionFault> Run() {
     if (session_.scans.empty()) {
-      Add(SessionPart::kScans, 0, "a log without scans: there is nothing to map");
+      Add(SessionPart::kScans, 0,
+          "a log without scans: there is nothing to map; scans come from scans.csv, from the laser lines of a CARMEN "
+          "log or "
+          "from the laser topic of a ROS 1 bag");
       return std::move(faults_);
     }
     CheckScans();

@@ -188,7 +188,7 @@ TEST_F(BadInputTest, OneMarkAlone) {
   EditLines(site_ / "blocks/A/marks.csv", [](Lines& lines) { lines.resize(2); });
   const CommandResult run = site_.Run();
   EXPECT_EQ(run.status, 1) << run.err;
-  EXPECT_NE(run.err.find("only one control point is marked in the block"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("marks.csv stands on one control point only, "), std::string::npos) << run.err;
   AppendToFile(site_ / "blocks/A/block.toml", "[adjust]\nallow-single-point = true\n");
   const CommandResult asked = site_.Run();
   EXPECT_EQ(asked.status, 0) << asked.err;

@@ -43,7 +43,7 @@ TEST(SessionChecksTest, MarksMayBeWrittenToTheSecond) {
 
 TEST(SessionChecksTest, FindsEveryFault) {
   Session session;
-  EXPECT_EQ(OnlyFault(session), "a log without scans: there is nothing to map");
+  EXPECT_TRUE(OnlyFault(session).starts_with("a log without scans: there is nothing to map"));
 
   session = SoundSession();
   session.scans[3].ranges_m.pop_back();

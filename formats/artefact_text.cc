@@ -106,6 +106,9 @@ void PrintJson(const fs::path& file, std::ostream& out) {
   if (json.is_discarded()) throw DataError(file.string() + ": not valid JSON (truncated?)");
   out << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
+  if (facts.sigma_m)
+    out << "sigma      " << Number(facts.sigma_m->min, "%.4f") << " to " << Number(facts.sigma_m->max, "%.4f")
+        << " m, mean " << Number(facts.sigma_m->mean, "%.4f") << " (1 sigma in the worst direction)\n";
 
 }  // namespace
 

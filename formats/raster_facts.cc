@@ -35,23 +35,22 @@ void AddValues(std::span<const double> values, double nodata, RasterFacts& facts
   }
 }
 
-void ReadValues(const std::filesystem::path& file, GDALDataset* data, RasterFacts& facts) {
-  GDALRasterBand* band = data->GetRasterBand(1);
+// False when the band cannot be read to its end.
+bool ReadValues(GDALRasterBand* band, RasterDigest& digest, RasterFacts& facts) {
   const double nodata = band->GetNoDataValue();
   const GDALDataType type = band->GetRasterDataType();
   const auto width = static_cast<std::size_t>(facts.width);
   std::vector<std::byte> row(width * static_cast<std::size_t>(GDALGetDataTypeSizeBytes(type)));
   std::vector<double> values(width);
-  RasterDigest digest(data);
   for (int y = 0; y < facts.height; ++y) {
     if (band->RasterIO(GF_Read, 0, y, facts.width, 1, row.data(), facts.width, 1, type, 0, 0, nullptr) != CE_None)
-      return;
+      return false;
     digest.AddRow(row);
     GDALCopyWords(row.data(), type, GDALGetDataTypeSizeBytes(type), values.data(), GDT_Float64, sizeof(double),
                   facts.width);
     AddValues(values, nodata, facts);
   }
-  digest.Verify(data, file);
+  return true;
 }
 
 }  // namespace
@@ -66,7 +65,7 @@ RasterFacts ReadRasterFacts(const std::filesystem::path& file) {
   facts.content = TextOf(data->GetMetadataItem("PLUMBLINE_CONTENT"));
   facts.tied = TextOf(data->GetMetadataItem("PLUMBLINE_TIED"));
   std::array<double, 6> transform{};
-  if (facts.content.empty() || data->GetRasterCount() != 1 || data->GetGeoTransform(transform.data()) != CE_None)
+  if (facts.content.empty() || data->GetRasterCount() > 2 || data->GetGeoTransform(transform.data()) != CE_None)
     throw DataError(file.string() + ": a GeoTIFF, but not a raster of Plumbline (or damaged)");
   facts.width = data->GetRasterXSize();
   facts.height = data->GetRasterYSize();
@@ -79,7 +78,16 @@ RasterFacts ReadRasterFacts(const std::filesystem::path& file) {
   GDALRasterBand* band = data->GetRasterBand(1);
   facts.data_type = GDALGetDataTypeName(band->GetRasterDataType());
   facts.num_overviews = band->GetOverviewCount();
-  ReadValues(file, data.get(), facts);
+  RasterDigest digest(data.get());
+  bool whole = ReadValues(band, digest, facts);
+  if (data->GetRasterCount() == 2) {
+    band = data->GetRasterBand(2);
+    RasterFacts of_sigma{.width = facts.width, .height = facts.height};
+    whole = whole && ReadValues(band, digest, of_sigma);
+    const double scale = band->GetScale();
+    facts.sigma_m = {scale * of_sigma.min, scale * of_sigma.mean, scale * of_sigma.max};
+  }
+  if (whole) digest.Verify(data.get(), file);
   session.ThrowIfFailed(file, "cannot be read to its end");
   return facts;
 }

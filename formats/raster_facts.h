@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace formats {
@@ -27,6 +28,13 @@ struct RasterFacts {
   double min = 0.0;
   double max = 0.0;
   double mean = 0.0;
+  // Of the second band, where there is one: positional uncertainty, m.
+  struct Sigma {
+    double min = 0.0;
+    double mean = 0.0;
+    double max = 0.0;
+  };
+  std::optional<Sigma> sigma_m;
 };
 
 // Reads every cell. DataError when the file is not a raster of Plumbline or cannot be read to its end.

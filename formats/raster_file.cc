@@ -32,14 +32,26 @@ constexpr const char* kLogOdds = "occupancy log-odds";
 constexpr const char* kPercent = "occupancy in percent";
 constexpr std::uint8_t kUnknownPercent = 255;
 constexpr int kCogTile = 512;
+constexpr const char* kSigmaName = "positional uncertainty, 1 sigma in the worst direction";
+constexpr double kSigmaStep_m = 0.002;  // of the bytes of site.tif; 254: 0.508 m or more
 
 void RequireCells(const fs::path& file, const SiteRaster& raster) {
   if (raster.width <= 0 || raster.height <= 0) throw DataError(file.string() + ": the raster has no cells");
 }
 
-std::span<const float> RowOf(const SiteRaster& raster, int row) {
-  const auto width = static_cast<std::size_t>(raster.width);
-  return std::span(raster.log_odds).subspan(static_cast<std::size_t>(row) * width, width);
+// All rows of the bands in the order of the file: from the north, one band after the other.
+void AddCells(const SiteRaster& raster, RasterDigest* digest) {
+  for (const std::vector<float>* cells : {&raster.log_odds, &raster.sigma_m}) {
+    if (cells->empty()) continue;
+    const auto width = static_cast<std::size_t>(raster.width);
+    for (auto row = static_cast<std::size_t>(raster.height); row-- > 0;)
+      digest->AddRow(std::as_bytes(std::span(*cells).subspan(row * width, width)));
+  }
+}
+
+void DescribeBand(GDALRasterBand* band, const char* name, const char* unit) {
+  band->SetDescription(name);
+  band->SetUnitType(unit);
 }
 
 // x and y of the outer corner of the upper left cell, as GDAL counts.
@@ -84,24 +96,31 @@ std::uint8_t PercentOf(float log_odds) {
   return static_cast<std::uint8_t>(std::lround(100.0 * survey::ProbabilityFromLogOdds(log_odds)));
 }
 
-struct PercentImage {
+std::uint8_t SigmaStepsOf(float sigma_m) {
+  if (std::isnan(sigma_m)) return kUnknownPercent;
+  return static_cast<std::uint8_t>(std::lround(std::min(254.0, static_cast<double>(sigma_m) / kSigmaStep_m)));
+}
+
+struct ByteImage {
   int width = 0;
   int height = 0;
   std::vector<std::uint8_t> cells;  // rows from the north
 };
 
-PercentImage PercentImageOf(const SiteRaster& raster) {
-  PercentImage image{raster.width, raster.height, {}};
-  image.cells.reserve(raster.log_odds.size());
+template <typename ToByte>
+ByteImage ImageOf(const SiteRaster& raster, const std::vector<float>& values, const ToByte& to_byte) {
+  ByteImage image{raster.width, raster.height, {}};
+  image.cells.reserve(values.size());
   for (int row = raster.height - 1; row >= 0; --row) {
-    for (int column = 0; column < raster.width; ++column) image.cells.push_back(PercentOf(raster.At(column, row)));
+    for (int column = 0; column < raster.width; ++column)
+      image.cells.push_back(to_byte(values[raster.Index(column, row)]));
   }
   return image;
 }
 
-// Half size; each cell takes the largest occupancy below it, so that thin walls survive in the overviews.
-PercentImage Halved(const PercentImage& fine) {
-  PercentImage coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
+// Half size; each cell takes the largest value below it: thin walls survive in the overviews, sigmas stay safe.
+ByteImage Halved(const ByteImage& fine) {
+  ByteImage coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
   coarse.cells.assign(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height),
                       kUnknownPercent);
   for (int row = 0; row < fine.height; ++row) {
@@ -116,29 +135,37 @@ PercentImage Halved(const PercentImage& fine) {
   return coarse;
 }
 
-CPLErr WriteImage(GDALRasterBand* band, PercentImage& image) {
+CPLErr WriteImage(GDALRasterBand* band, ByteImage& image) {
   return band->RasterIO(GF_Write, 0, 0, image.width, image.height, image.cells.data(), image.width, image.height,
                         GDT_Byte, 0, 0, nullptr);
 }
 
-// The image with its overviews in memory; the COG driver copies both.
-GDALDatasetUniquePtr PyramidInMemory(PercentImage image) {
-  auto* memory = GetGDALDriverManager()->GetDriverByName("MEM");
-  GDALDatasetUniquePtr data(memory->Create("", image.width, image.height, 1, GDT_Byte, nullptr));
-  if (!data) return data;
-  GDALRasterBand* band = data->GetRasterBand(1);
+// The band and its overviews.
+bool FillBand(GDALRasterBand* band, ByteImage image) {
   band->SetNoDataValue(kUnknownPercent);
-  if (WriteImage(band, image) != CE_None) return nullptr;
-  std::vector<int> factors;
-  for (int factor = 2; std::max(image.width, image.height) / factor * 2 > kCogTile; factor *= 2)
-    factors.push_back(factor);
-  if (factors.empty()) return data;
-  if (data->BuildOverviews("NEAREST", static_cast<int>(factors.size()), factors.data(), 0, nullptr, nullptr, nullptr) !=
-      CE_None)
-    return nullptr;
+  if (WriteImage(band, image) != CE_None) return false;
   for (int level = 0; level < band->GetOverviewCount(); ++level) {
     image = Halved(image);
-    if (WriteImage(band->GetOverview(level), image) != CE_None) return nullptr;
+    if (WriteImage(band->GetOverview(level), image) != CE_None) return false;
+  }
+  return true;
+}
+
+// The images, a band each, with their overviews in memory; the COG driver copies both.
+GDALDatasetUniquePtr PyramidInMemory(const std::vector<ByteImage>& images) {
+  auto* memory = GetGDALDriverManager()->GetDriverByName("MEM");
+  const int width = images.front().width;
+  const int height = images.front().height;
+  const int bands = static_cast<int>(images.size());
+  GDALDatasetUniquePtr data(memory->Create("", width, height, bands, GDT_Byte, nullptr));
+  if (!data) return data;
+  std::vector<int> factors;
+  for (int factor = 2; std::max(width, height) / factor * 2 > kCogTile; factor *= 2) factors.push_back(factor);
+  if (!factors.empty() && data->BuildOverviews("NEAREST", static_cast<int>(factors.size()), factors.data(), 0, nullptr,
+                                               nullptr, nullptr) != CE_None)
+    return nullptr;
+  for (int band = 1; band <= bands; ++band) {
+    if (!FillBand(data->GetRasterBand(band), images[static_cast<std::size_t>(band) - 1])) return nullptr;
   }
   return data;
 }
@@ -164,16 +191,17 @@ void ReadGeoreference(const fs::path& file, GDALDataset* data, SiteRaster* raste
   raster->min_row = std::llround(row) - raster->height;
 }
 
-void ReadCells(GDALDataset* data, SiteRaster* raster) {
-  const auto width = static_cast<std::size_t>(raster->width);
-  const auto height = static_cast<std::size_t>(raster->height);
-  raster->log_odds.resize(width * height);
+std::vector<float> ReadCells(GDALRasterBand* band, const SiteRaster& raster) {
+  const auto width = static_cast<std::size_t>(raster.width);
+  const auto height = static_cast<std::size_t>(raster.height);
+  std::vector<float> cells(width * height);
   for (std::size_t row = 0; row < height; ++row) {
-    float* begin = raster->log_odds.data() + (height - 1 - row) * width;
-    if (data->GetRasterBand(1)->RasterIO(GF_Read, 0, static_cast<int>(row), raster->width, 1, begin, raster->width, 1,
-                                         GDT_Float32, 0, 0, nullptr) != CE_None)
-      return;
+    float* begin = cells.data() + (height - 1 - row) * width;
+    if (band->RasterIO(GF_Read, 0, static_cast<int>(row), raster.width, 1, begin, raster.width, 1, GDT_Float32, 0, 0,
+                       nullptr) != CE_None)
+      break;
   }
+  return cells;
 }
 
 }  // namespace
@@ -183,22 +211,26 @@ void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLab
   RequireCells(file, raster);
   AtomicFile output(file);
   const GdalSession session;
+  const int bands = raster.sigma_m.empty() ? 1 : 2;
   CPLStringList options;
   options.SetNameValue("TILED", "YES");
   options.SetNameValue("BLOCKXSIZE", "256");
   options.SetNameValue("BLOCKYSIZE", "256");
   options.SetNameValue("COMPRESS", "DEFLATE");
   options.SetNameValue("PREDICTOR", "3");
+  options.SetNameValue("INTERLEAVE", "BAND");
   options.SetNameValue("BIGTIFF", "IF_SAFER");
   GDALDatasetUniquePtr data(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
-      output.temporary().c_str(), raster.width, raster.height, 1, GDT_Float32, options.List()));
+      output.temporary().c_str(), raster.width, raster.height, bands, GDT_Float32, options.List()));
   if (!data) session.Throw(file, "could not be written");
   Describe(data.get(), raster, label, provenance, kLogOdds);
   data->GetRasterBand(1)->SetNoDataValue(survey::kUnknownLogOdds);
   RasterDigest digest(data.get());
-  for (int row = raster.height - 1; row >= 0; --row) digest.AddRow(std::as_bytes(RowOf(raster, row)));
+  AddCells(raster, &digest);
   digest.Store(data.get());
+  if (bands == 2) DescribeBand(data->GetRasterBand(2), kSigmaName, "m");
   WriteFlipped(data->GetRasterBand(1), raster.log_odds, raster.width, raster.height, GDT_Float32);
+  if (bands == 2) WriteFlipped(data->GetRasterBand(2), raster.sigma_m, raster.width, raster.height, GDT_Float32);
   data.reset();
   session.ThrowIfFailed(file, "could not be written (disk full?)");
   output.Commit();
@@ -210,16 +242,17 @@ SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
   const GDALDatasetUniquePtr data(
       GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
   if (!data) session.Throw(file, "cannot be read as GeoTIFF");
-  if (data->GetRasterCount() != 1 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
+  if (data->GetRasterCount() > 2 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
       MetadataOf(data.get(), kContentItem) != kLogOdds)
-    throw DataError(file.string() + ": is not an occupancy raster of Plumbline (one band of log-odds, metadata item " +
+    throw DataError(file.string() + ": is not an occupancy raster of Plumbline (a band of log-odds, metadata item " +
                     kContentItem + ")");
   SiteRaster raster;
   ReadGeoreference(file, data.get(), &raster);
-  ReadCells(data.get(), &raster);
+  raster.log_odds = ReadCells(data->GetRasterBand(1), raster);
+  if (data->GetRasterCount() == 2) raster.sigma_m = ReadCells(data->GetRasterBand(2), raster);
   session.ThrowIfFailed(file, "cannot be read to its end");
   RasterDigest digest(data.get());
-  for (int row = raster.height - 1; row >= 0; --row) digest.AddRow(std::as_bytes(RowOf(raster, row)));
+  AddCells(raster, &digest);
   digest.Verify(data.get(), file);
   const std::string tied = MetadataOf(data.get(), kTiedItem);
   if (tied != "yes" && tied != "no")
@@ -237,15 +270,19 @@ void WriteCogMap(const fs::path& file, const SiteRaster& raster, const RasterLab
   RequireCells(file, raster);
   AtomicFile output(file);
   const GdalSession session;
-  const PercentImage image = PercentImageOf(raster);
-  const GDALDatasetUniquePtr memory = PyramidInMemory(image);
+  std::vector<ByteImage> images = {ImageOf(raster, raster.log_odds, PercentOf)};
+  if (!raster.sigma_m.empty()) images.push_back(ImageOf(raster, raster.sigma_m, SigmaStepsOf));
+  const GDALDatasetUniquePtr memory = PyramidInMemory(images);
   if (!memory) session.Throw(file, "could not be composed in memory");
   Describe(memory.get(), raster, label, provenance, kPercent);
   RasterDigest digest(memory.get());
-  digest.AddRow(std::as_bytes(std::span(image.cells)));
+  for (const ByteImage& image : images) digest.AddRow(std::as_bytes(std::span(image.cells)));
   digest.Store(memory.get());
-  memory->GetRasterBand(1)->SetDescription("occupancy");
-  memory->GetRasterBand(1)->SetUnitType("percent");
+  DescribeBand(memory->GetRasterBand(1), "occupancy", "percent");
+  if (images.size() == 2) {
+    DescribeBand(memory->GetRasterBand(2), kSigmaName, "m");
+    memory->GetRasterBand(2)->SetScale(kSigmaStep_m);
+  }
   CPLStringList options;
   options.SetNameValue("COMPRESS", "DEFLATE");
   options.SetNameValue("BLOCKSIZE", std::to_string(kCogTile).c_str());

@@ -4,6 +4,7 @@
 #include "formats/artefacts.h"
 #include "formats/raster_file.h"
 #include "pipeline/stage.h"
+#include "survey/graph/map_uncertainty.h"
 #include "survey/submaps/block_raster.h"
 
 int main(int argc, char** argv) {
@@ -32,11 +33,12 @@ int main(int argc, char** argv) {
     std::vector<survey::Pose2> poses;
     for (const survey::SolvedScan& scan : solution.scans) poses.push_back(scan.site_from_scan);
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(poses.size()));
-    const survey::SiteRaster raster = survey::RenderBlock(
+    survey::SiteRaster raster = survey::RenderBlock(
         session, poses, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
     if (raster.width == 0)
       throw formats::DataError(session_file.string() + ": no scan has a range within " +
                                std::to_string(options.max_range_m) + " m: the map is empty");
+    survey::FillSigmas(solution, &raster);
     formats::WriteRaster(output, raster, {.frame = solution.frame, .tied = solution.tied}, run.Provenance());
     run.Message(std::to_string(raster.width) + " x " + std::to_string(raster.height) + " cells of " +
                 std::to_string(raster.cell_size_m) + " m");

@@ -22,7 +22,10 @@ SiteRaster EmptyOver(std::span<const SiteRaster* const> blocks) {
   }
   site.width = static_cast<int>(end_column - site.min_column);
   site.height = static_cast<int>(end_row - site.min_row);
-  site.log_odds.assign(static_cast<std::size_t>(site.width) * static_cast<std::size_t>(site.height), kUnknownLogOdds);
+  const std::size_t cells = static_cast<std::size_t>(site.width) * static_cast<std::size_t>(site.height);
+  site.log_odds.assign(cells, kUnknownLogOdds);
+  if (std::none_of(blocks.begin(), blocks.end(), [](const SiteRaster* block) { return block->sigma_m.empty(); }))
+    site.sigma_m.assign(cells, std::numeric_limits<float>::quiet_NaN());
   return site;
 }
 
@@ -39,6 +42,9 @@ SiteRaster Mosaic(std::span<const SiteRaster* const> blocks, const MosaicOptions
         if (std::isnan(value)) continue;
         float& sum = site.At(first_column + column, first_row + row);
         sum = std::isnan(sum) ? value : sum + value;
+        if (site.sigma_m.empty()) continue;
+        float& sigma = site.sigma_m[site.Index(first_column + column, first_row + row)];
+        sigma = std::fmax(sigma, block->sigma_m[block->Index(column, row)]);  // NaN only where both are
       }
     }
   }

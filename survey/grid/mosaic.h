@@ -16,7 +16,8 @@ struct MosaicOptions {
 };
 
 // Per cell the sum of the blocks' log-odds (independent observations), clamped; NaN where no block saw the cell. The
-// result covers the blocks' common bounding box. All rasters must have the same cell size.
+// result covers the blocks' common bounding box. A cell's sigma is the largest of the blocks that
+// saw it; there is none when a block has none. All rasters must have the same cell size.
 SiteRaster Mosaic(std::span<const SiteRaster* const> blocks, const MosaicOptions& options);
 
 }  // namespace survey

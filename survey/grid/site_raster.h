@@ -25,10 +25,14 @@ struct SiteRaster {
   int width = 0;
   int height = 0;
   std::vector<float> log_odds;  // width * height, row by row from the south; NaN = never observed
+  // Positional uncertainty of what a cell shows: 1 sigma in the worst direction, m, by the poses that drew it; NaN
+  // where none did. Empty: not known.
+  std::vector<float> sigma_m;
 
-  float& At(int column, int row) {
-    return log_odds[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column)];
+  std::size_t Index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
   }
+  float& At(int column, int row) { return log_odds[Index(column, row)]; }
   float At(int column, int row) const { return const_cast<SiteRaster*>(this)->At(column, row); }
   bool Contains(std::int64_t column, std::int64_t row) const {
     return column >= 0 && column < width && row >= 0 && row < height;

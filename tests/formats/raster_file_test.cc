@@ -81,6 +81,38 @@ TEST(RasterFile, ComesBackBitForBit) {
   EXPECT_EQ(label.frame.wkt2, Wkt2OfCrs("EPSG:25832"));
 }
 
+SiteRaster RoomWithSigmas() {
+  SiteRaster room = Room();
+  room.sigma_m.assign(room.log_odds.size(), 0.0123F);
+  room.sigma_m[room.Index(0, 599)] = 0.2F;  // the north-western corner
+  room.sigma_m[room.Index(699, 0)] = std::numeric_limits<float>::quiet_NaN();
+  return room;
+}
+
+TEST(RasterFile, TheUncertaintyIsASecondBand) {
+  const ScratchFolder scratch;
+  const SiteRaster room = RoomWithSigmas();
+  WriteRaster(scratch / "grid.tif", room, kUtm, SomeProvenance());
+  const SiteRaster read = ReadRaster(scratch / "grid.tif");
+  ExpectSame(read, room);
+  ASSERT_EQ(read.sigma_m.size(), room.sigma_m.size());
+  EXPECT_EQ(read.sigma_m[room.Index(0, 599)], 0.2F);
+  EXPECT_TRUE(std::isnan(read.sigma_m[room.Index(699, 0)]));
+
+  WriteCogMap(scratch / "site.tif", room, kUtm, SomeProvenance());
+  const auto data = Open(scratch / "site.tif");
+  ASSERT_EQ(data->GetRasterCount(), 2);
+  GDALRasterBand* band = data->GetRasterBand(2);
+  EXPECT_DOUBLE_EQ(band->GetScale(), 0.002);
+  std::uint8_t cells[2];
+  ASSERT_EQ(band->RasterIO(GF_Read, 0, 0, 2, 1, cells, 2, 1, GDT_Byte, 0, 0, nullptr), CE_None);
+  EXPECT_EQ(cells[0], 100);
+  EXPECT_EQ(cells[1], 6);
+  ASSERT_EQ(band->GetOverviewCount(), 1);
+  ASSERT_EQ(band->GetOverview(0)->RasterIO(GF_Read, 0, 0, 1, 1, cells, 1, 1, GDT_Byte, 0, 0, nullptr), CE_None);
+  EXPECT_EQ(cells[0], 100);  // the largest below
+}
+
 TEST(RasterFile, NegativeCellsComeBack) {
   const ScratchFolder scratch;
   SiteRaster raster{.cell_size_m = 0.1, .min_column = -37, .min_row = -1001, .width = 3, .height = 2};

@@ -285,10 +285,49 @@ CREATE TABLE marks (
   cov_xx REAL NOT NULL CHECK (cov_xx >= 0),           -- m2
   cov_xy REAL NOT NULL,
   cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
-  residual_x REAL NOT NULL,                           -- adjusted minus given, m; 0 where not used
+  residual_x REAL NOT NULL,                           -- adjusted minus given, m; 0 where not on control
   residual_y REAL NOT NULL,
   rigid_residual_x REAL NOT NULL,                     -- the same after the rigid fit alone, m
-  rigid_residual_y REAL NOT NULL
+  rigid_residual_y REAL NOT NULL,
+  left_out TEXT NOT NULL                              -- why a mark on control took no part; empty: it did
+) STRICT;
+CREATE TABLE mark_tests (
+  mark INTEGER PRIMARY KEY REFERENCES marks (id),  -- on a control point, used or left out
+  redundancy REAL NOT NULL,  -- 0: nothing would show an error, 1: everything
+  t REAL NOT NULL CHECK (t >= 0),  -- chi-square when nothing is wrong
+  degrees_of_freedom INTEGER NOT NULL CHECK (degrees_of_freedom BETWEEN 0 AND 2),
+  detectable REAL,     -- smallest error that the test finds: m; NULL: none however large
+  largest_shift REAL,  -- of any pose by an error of that size: m
+  left_out_x REAL NOT NULL,  -- place by the others minus given, m; 0 where it is not determined
+  left_out_y REAL NOT NULL,
+  left_out_cov_xx REAL NOT NULL CHECK (left_out_cov_xx >= 0),  -- m2
+  left_out_cov_xy REAL NOT NULL,
+  left_out_cov_yy REAL NOT NULL CHECK (left_out_cov_yy >= 0)
+) STRICT;
+CREATE TABLE control_verdict (
+  id INTEGER PRIMARY KEY CHECK (id = 0),
+  free_sigma_zero REAL NOT NULL,  -- without control
+  rigid_rms REAL NOT NULL,        -- of the used marks after the rigid fit: m
+  scale_deviation REAL NOT NULL,  -- of the weighted similarity fit from 1; never applied
+  scale_sigma REAL NOT NULL,
+  chi_square REAL NOT NULL,       -- of the misfit between control and free network
+  degrees_of_freedom INTEGER NOT NULL,
+  chi_square_lower REAL NOT NULL,  -- 95 % bounds
+  chi_square_upper REAL NOT NULL,
+  critical_t REAL NOT NULL,       -- of one mark, at 0.001
+  rejection_t REAL NOT NULL,      -- beyond it a mark is left out
+  contradicted INTEGER NOT NULL CHECK (contradicted IN (0, 1))  -- too many would have to go: none was left out
+) STRICT;
+CREATE TABLE variance_components (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  kind TEXT NOT NULL,
+  count INTEGER NOT NULL,
+  redundancy REAL NOT NULL,
+  factor REAL NOT NULL  -- of the a-priori variances, as the residuals have it
+) STRICT;
+CREATE TABLE findings (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  message TEXT NOT NULL
 ) STRICT;
 CREATE TABLE navigation (
   id INTEGER PRIMARY KEY CHECK (id = 0),
@@ -346,7 +385,7 @@ constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kTrack, 2, "track", kTrackSchema},
     ArtefactFormat{ArtefactKind::kLoops, 1, "loops", kLoopsSchema},
     ArtefactFormat{ArtefactKind::kControl, 2, "control", kControlSchema},
-    ArtefactFormat{ArtefactKind::kSolution, 2, "solution", kSolutionSchema},
+    ArtefactFormat{ArtefactKind::kSolution, 3, "solution", kSolutionSchema},
     ArtefactFormat{ArtefactKind::kFeatures, 1, "features", kFeaturesSchema},
 };
 

@@ -10,6 +10,7 @@
 #include "formats/errors.h"
 #include "formats/network_report.h"
 #include "formats/raster_facts.h"
+#include "formats/reliability_text.h"
 #include "formats/table_text.h"
 #include "formats/text_table.h"
 
@@ -44,7 +45,10 @@ void PrintMarks(const survey::Solution& solution, std::ostream& out) {
       .Print(out, [&](const auto& row) {
         for (const survey::SolvedMark& mark : solution.marks) {
           const auto residual = [&](double metres) { return mark.used ? Mm(metres) : "-"; };
-          row({OneLine(mark.point), std::to_string(mark.scan.value), mark.used ? "control" : "position only",
+          row({OneLine(mark.point), std::to_string(mark.scan.value),
+               mark.used   ? "control"
+               : mark.test ? "left out"
+                           : "position only",
                Number(mark.position_in_site.x(), "%.4f"), Number(mark.position_in_site.y(), "%.4f"),
                Mm(std::sqrt(mark.covariance(0, 0))), Mm(std::sqrt(mark.covariance(1, 1))), residual(mark.residual.x()),
                residual(mark.residual.y()), residual(mark.rigid_residual.x()), residual(mark.rigid_residual.y())});
@@ -74,7 +78,11 @@ void PrintSqlite(const fs::path& file, std::ostream& out) {
   out << file.string() << ": " << format.name << ", format version " << format.version << ", sha256 "
       << ShortId(Sha256OfFile(file)) << "\n";
   PrintProvenance(ReadProvenance(file), out);
-  if (kind == ArtefactKind::kSolution) PrintMarks(ReadSolution(file), out);
+  if (kind == ArtefactKind::kSolution) {
+    const survey::Solution solution = ReadSolution(file);
+    PrintMarks(solution, out);
+    PrintReliability(solution, out);
+  }
   if (kind == ArtefactKind::kControl) {
     const survey::ControlNetwork network = ReadControl(file);
     PrintPoints(network, out);
@@ -98,6 +106,9 @@ void PrintGeoTiff(const fs::path& file, std::ostream& out) {
       << "values     " << facts.num_known << " known cells ("
       << Number(100.0 * static_cast<double>(facts.num_known) / cells, "%.1f") << " %), " << Number(facts.min, "%.3f")
       << " to " << Number(facts.max, "%.3f") << ", mean " << Number(facts.mean, "%.3f") << "\n";
+  if (facts.sigma_m)
+    out << "sigma      " << Number(facts.sigma_m->min, "%.4f") << " to " << Number(facts.sigma_m->max, "%.4f")
+        << " m, mean " << Number(facts.sigma_m->mean, "%.4f") << " (1 sigma in the worst direction)\n";
   PrintProvenance(ReadProvenance(file), out);
 }
 
@@ -106,9 +117,6 @@ void PrintJson(const fs::path& file, std::ostream& out) {
   if (json.is_discarded()) throw DataError(file.string() + ": not valid JSON (truncated?)");
   out << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << "\n";
 }
-  if (facts.sigma_m)
-    out << "sigma      " << Number(facts.sigma_m->min, "%.4f") << " to " << Number(facts.sigma_m->max, "%.4f")
-        << " m, mean " << Number(facts.sigma_m->mean, "%.4f") << " (1 sigma in the worst direction)\n";
 
 }  // namespace
 

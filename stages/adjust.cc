@@ -43,7 +43,7 @@ int main(int argc, char** argv) {
   stage.Input("loops", &loops_file, "its loops");
   stage.OptionalInput("control", &control_file, "its extract of the control points; without: local frame");
   stage.Output("output", &output, "solution.sqlite to write");
-  stage.Option("loop-robust-sigmas", &options.solver.robust_scale, "beyond this a loop loses weight", {.min = 0.1});
+  stage.Option("loop-robust-sigmas", &options.tie.solver.robust_scale, "beyond this a loop loses weight", {.min = 0.1});
   stage.Option("allow-single-point", &options.allow_single_point,
                "accept a block with one control point (no direction)");
   stage.Option("covariance-spacing-m", &options.covariance_spacing_m,
@@ -58,6 +58,7 @@ int main(int argc, char** argv) {
         survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options);
     if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
+    for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
     run.Message(Summary(adjustment.solution));
   });
 }

@@ -1,7 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/geometry/rigid_fit.h"
 
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <vector>
+
 namespace survey {
+namespace {
+
+std::vector<double> Residuals(const Pose2& target_from_source, std::span<const Eigen::Vector2d> source,
+                              std::span<const Eigen::Vector2d> target) {
+  std::vector<double> residuals;
+  for (std::size_t i = 0; i < source.size(); ++i)
+    residuals.push_back((target[i] - target_from_source * source[i]).norm());
+  return residuals;
+}
+
+double UpperMedian(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
 
 std::optional<RigidFit> FitRigid(std::span<const Eigen::Vector2d> source, std::span<const Eigen::Vector2d> target,
                                  std::span<const double> weights) {
@@ -44,6 +66,28 @@ std::optional<RigidFit> FitRigid(std::span<const Eigen::Vector2d> source, std::s
   for (std::size_t i = 0; i < n; ++i) squares += (target[i] - fit.target_from_source * source[i]).squaredNorm();
   fit.rms_m = std::sqrt(squares / static_cast<double>(n));
   return fit;
+}
+
+std::optional<RigidFit> FitRigidRobust(std::span<const Eigen::Vector2d> source,
+                                       std::span<const Eigen::Vector2d> target) {
+  const std::size_t n = source.size();
+  if (n < 4) return FitRigid(source, target);
+  double least = std::numeric_limits<double>::infinity();
+  Pose2 best;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 1; j < n; ++j) {
+      const auto fit = FitRigid(std::array{source[i], source[j]}, std::array{target[i], target[j]});
+      if (!fit) continue;
+      const double median = UpperMedian(Residuals(fit->target_from_source, source, target));
+      if (median >= least) continue;
+      least = median;
+      best = fit->target_from_source;
+    }
+  }
+  const std::vector<double> residuals = Residuals(best, source, target);
+  std::vector<double> weights;
+  for (const double residual : residuals) weights.push_back(residual <= 2.5 * 1.4826 * least ? 1.0 : 0.0);
+  return FitRigid(source, target, weights);
 }
 
 }  // namespace survey

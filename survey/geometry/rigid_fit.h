@@ -23,4 +23,10 @@ struct RigidFit {
 std::optional<RigidFit> FitRigid(std::span<const Eigen::Vector2d> source, std::span<const Eigen::Vector2d> target,
                                  std::span<const double> weights = {});
 
+// The motion that leaves the median residual least, up to half of the pairs being wrong: least median of squares
+// [Rousseeuw84] over all motions by two pairs, then FitRigid on the pairs within 2.5 robust sigmas (1.4826 times the
+// median). Empty as above.
+std::optional<RigidFit> FitRigidRobust(std::span<const Eigen::Vector2d> source,
+                                       std::span<const Eigen::Vector2d> target);
+
 }  // namespace survey

@@ -5,75 +5,60 @@
 #include <cmath>
 #include <map>
 
-#include "survey/geometry/rigid_fit.h"
 #include "survey/graph/block_graph.h"
-#include "survey/graph/given_control.h"
+#include "survey/graph/control_tie.h"
 #include "survey/graph/graph_covariance.h"
-#include "survey/graph/graph_residuals.h"
 #include "survey/graph/variance_factor.h"
 
 namespace survey {
 namespace {
 
-using GivenPoints = std::map<std::string, const ControlPoint*>;
-
-GivenPoints PointsOfRole(const ControlNetwork& control, PointRole role) {
-  GivenPoints points;
-  for (const ControlPoint& point : control.points) {
-    if (point.role == role) points.emplace(point.name, &point);
-  }
-  return points;
-}
-
-const std::string& PointName(const BlockGraph& block, const MarkEdge& mark) {
-  return block.point_names[static_cast<std::size_t>(mark.point)];
-}
-
 Eigen::Vector2d MarkPosition(const PoseGraph& graph, const MarkEdge& mark) {
   return graph.poses[static_cast<std::size_t>(mark.pose)] * mark.p_in_pose;
 }
 
-std::size_t CountControlPoints(const BlockGraph& block, const GivenPoints& given) {
-  return static_cast<std::size_t>(std::count_if(block.point_names.begin(), block.point_names.end(),
-                                                [&](const std::string& name) { return given.contains(name); }));
+// Control points that are marked in the block.
+std::vector<const ControlPoint*> MarkedControl(const ControlNetwork& control, const BlockGraph& block) {
+  std::vector<const ControlPoint*> marked;
+  for (const ControlPoint& point : control.points) {
+    const bool known = std::binary_search(block.point_names.begin(), block.point_names.end(), point.name);
+    if (known && point.role == PointRole::kControl) marked.push_back(&point);
+  }
+  return marked;
 }
 
 // One point: the block is shifted onto it; its direction stays that of the first scan.
-RigidFit FitTranslation(const Eigen::Vector2d& source, const Eigen::Vector2d& target) {
-  RigidFit fit;
-  fit.target_from_source = {target.x() - source.x(), target.y() - source.y(), 0.0};
-  return fit;
-}
-
-std::optional<RigidFit> FitOnMarks(const BlockGraph& block, const GivenPoints& given, std::size_t num_points) {
-  std::vector<Eigen::Vector2d> source;
-  std::vector<Eigen::Vector2d> target;
-  for (const MarkEdge& mark : block.graph.marks) {
-    const auto found = given.find(PointName(block, mark));
-    if (found == given.end()) continue;
-    source.push_back(MarkPosition(block.graph, mark));
-    target.push_back(found->second->position_in_site);
+ControlTie ShiftOntoPoint(const ControlPoint& control, BlockGraph* block) {
+  PoseGraph& graph = block->graph;
+  ControlTie tie{.usable = true};
+  tie.marks.resize(graph.marks.size());
+  for (std::size_t i = 0; i < graph.marks.size(); ++i) {
+    if (block->point_names[static_cast<std::size_t>(graph.marks[i].point)] != control.name) continue;
+    tie.marks[i].on_control = tie.marks[i].used = true;
+    tie.marks[i].given = control.position_in_site;
+    const Eigen::Vector2d shift = control.position_in_site - MarkPosition(graph, graph.marks[i]);
+    tie.site_from_local = {shift.x(), shift.y(), 0.0};
   }
-  if (num_points == 1) return FitTranslation(source.front(), target.front());
-  return FitRigid(source, target);
+  for (std::size_t i = 0; i < graph.marks.size(); ++i)
+    tie.marks[i].rigid = tie.site_from_local * MarkPosition(graph, graph.marks[i]);
+  tie.offset = tie.site_from_local.Translation();
+  return tie;
 }
 
-void MoveGraph(const Pose2& target_from_source, PoseGraph* graph) {
-  for (Pose2& pose : graph->poses) pose = target_from_source * pose;
-  for (Eigen::Vector2d& point : graph->points) point = target_from_source * point;
-}
-
-// Coordinates of the control points among the graph's observations; why not possible, or empty.
-std::string AddControl(const ControlNetwork& control, const Eigen::Vector2d& offset, BlockGraph* block) {
-  GivenControl given = GiveControl(control, block->point_names, {}, offset);
-  for (const GivenCoordinates& group : given.given) {
-    for (std::size_t k = 0; k < group.points.size(); ++k) {
-      block->graph.points[static_cast<std::size_t>(group.points[k])] =
-          group.coordinates.segment<2>(2 * static_cast<Eigen::Index>(k));
-    }
-  }
-  block->graph.given = std::move(given.given);
-  return given.problem;
+// Displacement of a marked place some seconds later, as the track has it.
+MotionInScan MotionOfTrack(const Track& track, const std::vector<StampNs>& stamps) {
+  return [&](std::size_t mark, double seconds) -> std::optional<Eigen::Vector2d> {
+    const TrackedMark& tracked = track.marks[mark];
+    const auto carrier = static_cast<std::size_t>(tracked.scan.value);
+    const StampNs wanted = stamps[carrier] + static_cast<StampNs>(std::llround(seconds * 1e9));
+    const auto after = std::lower_bound(stamps.begin(), stamps.end(), wanted);
+    if (after == stamps.begin() || after == stamps.end()) return std::nullopt;
+    const auto j = static_cast<std::size_t>(after - stamps.begin());
+    const double fraction = static_cast<double>(wanted - stamps[j - 1]) /
+                            static_cast<double>(std::max<StampNs>(1, stamps[j] - stamps[j - 1]));
+    const Pose2 then = Interpolate(track.scans[j - 1].local_from_scan, track.scans[j].local_from_scan, fraction);
+    return Between(track.scans[carrier].local_from_scan, then) * tracked.mark_in_scan - tracked.mark_in_scan;
+  };
 }
 
 // Rows minus unknowns.
@@ -116,28 +101,28 @@ class Writer {
     }
   }
 
-  void Covariances(double spacing_m) {
-    const std::vector<int> chosen = NodesForCovariance(block_, spacing_m);
-    const std::vector<Eigen::Matrix3d> covariances = PoseCovariances(block_.graph, chosen);
-    for (std::size_t i = 0; i < covariances.size(); ++i) {
-      covariance_of_[chosen[i]] = covariances[i];
+  void Covariances(const GraphCovariance& covariance, double spacing_m) {
+    for (const int pose : NodesForCovariance(block_, spacing_m)) {
+      covariance_of_[pose] = covariance.OfPose(pose);
       solution_.covariances.push_back(
-          {block_.nodes[static_cast<std::size_t>(chosen[i]) - block_.num_submaps], covariances[i]});
+          {block_.nodes[static_cast<std::size_t>(pose) - block_.num_submaps], covariance_of_[pose]});
     }
   }
 
-  void Marks(const GivenPoints& given, const std::vector<Eigen::Vector2d>& rigid_positions) {
+  // `tied`: of each mark; empty in the local frame.
+  void Marks(const std::vector<TiedMark>& tied) {
     for (std::size_t i = 0; i < track_.marks.size(); ++i) {
       const TrackedMark& tracked = track_.marks[i];
-      const MarkEdge& edge = block_.graph.marks[i];
       SolvedMark mark{
           .point = tracked.point, .start_ns = tracked.start_ns, .end_ns = tracked.end_ns, .scan = tracked.scan};
-      mark.position_in_site = MarkPosition(block_.graph, edge) + offset_;
-      mark.covariance = PositionCovariance(edge);
-      if (const auto found = given.find(tracked.point); found != given.end()) {
-        mark.used = true;
-        mark.residual = mark.position_in_site - found->second->position_in_site;
-        mark.rigid_residual = rigid_positions[i] - found->second->position_in_site;
+      mark.position_in_site = MarkPosition(block_.graph, block_.graph.marks[i]) + offset_;
+      mark.covariance = PositionCovariance(block_.graph.marks[i]);
+      if (!tied.empty() && tied[i].on_control) {
+        mark.used = tied[i].used;
+        mark.left_out = tied[i].left_out;
+        mark.test = tied[i].test;
+        mark.residual = mark.position_in_site - tied[i].given;
+        mark.rigid_residual = tied[i].rigid - tied[i].given;
       }
       solution_.marks.push_back(std::move(mark));
     }
@@ -166,85 +151,87 @@ class Writer {
 
 BlockAdjustment Failed(std::string message) { return {.usable = false, .message = std::move(message), .solution = {}}; }
 
-}  // namespace
-
-BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const ControlNetwork& control,
-                            const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options) {
-  if (track.submaps.empty()) return Failed("the track has no submap");
-  BlockGraph block = MakeBlockGraph(track);
-  int accepted = 0;
-  for (const Loop& loop : loops.loops) {
-    if (!loop.accepted) continue;
-    AddLoop(loop.constraint, &block);
-    ++accepted;
+// The relative observations by kind, and control.
+std::vector<VarianceComponent> Components(const PoseGraph& graph, const GraphCovariance& covariance,
+                                          const VarianceComponent& control) {
+  std::vector<VarianceComponent> components = {{.kind = "scan match"}, {.kind = "motion"}, {.kind = "loop"}};
+  for (const PoseEdge& edge : graph.edges) {
+    VarianceComponent& component = components[static_cast<std::size_t>(edge.kind)];
+    ++component.count;
+    component.redundancy += covariance.RedundancyOf(edge);
+    component.factor += SquaredNormalisedResidual(edge, graph.poses);
   }
+  for (VarianceComponent& component : components)
+    component.factor = component.redundancy > 0.0 ? component.factor / component.redundancy : 0.0;
+  if (control.count > 0) components.push_back(control);
+  return components;
+}
 
-  // Free solution: what the sensors alone say.
-  PoseGraphOptions free_options = options.solver;
-  free_options.chordal_start = true;  // a long tour may have drifted far
-  PoseGraphSummary summary = Solve(&block.graph, free_options);
-  if (!summary.usable) return Failed("the free adjustment did not converge: " + summary.message);
-  // From here on with covariances that the block itself has confirmed.
-  const double factor = VarianceFactorOfLoops(block.graph, options.solver.robust_scale).factor;
-  for (PoseEdge& edge : block.graph.edges) edge.covariance *= factor;
-  summary.initial_cost /= factor;
-  summary.final_cost /= factor;
-
-  const GivenPoints given = PointsOfRole(control, PointRole::kControl);
-  const std::size_t num_points = CountControlPoints(block, given);
-  BlockAdjustment result;
-  Solution& solution = result.solution;
-  solution.tied = num_points > 0;
-  solution.navigation = track.navigation;
-  solution.breaks = BreaksOf(track);
-  if (num_points == 1 && !options.allow_single_point) {
-    const auto marked = std::find_if(block.point_names.begin(), block.point_names.end(),
-                                     [&](const std::string& name) { return given.contains(name); });
-    return Failed("the block's marks.csv stands on one control point only, " + *marked +
-                  ": it fixes the place but not the direction; mark a second one, or set allow-single-point = true "
-                  "under [adjust] in block.toml");
-  }
-  Eigen::Vector2d offset = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2d> rigid_positions(block.graph.marks.size(), Eigen::Vector2d::Zero());
-  if (solution.tied) {
-    solution.frame = control.frame;
-    const std::optional<RigidFit> fit = FitOnMarks(block, given, num_points);
-    if (!fit) return Failed("the marked control points lie on one place: the direction of the block cannot be fixed");
-    solution.site_from_local = fit->target_from_source;
-    solution.rigid_scale = fit->similarity_scale;
-    // Near zero the sums keep their digits; UTM northings would cost six of them.
-    offset = Eigen::Vector2d(std::round(fit->target_from_source.x), std::round(fit->target_from_source.y));
-    const Pose2 moved{fit->target_from_source.x - offset.x(), fit->target_from_source.y - offset.y(),
-                      fit->target_from_source.theta};
-    MoveGraph(moved, &block.graph);
-    for (std::size_t i = 0; i < block.graph.marks.size(); ++i)
-      rigid_positions[i] = MarkPosition(block.graph, block.graph.marks[i]) + offset;
-    if (num_points > 1) {
-      const std::string problem = AddControl(control, offset, &block);
-      if (!problem.empty()) return Failed(problem);
-      block.graph.fixed_pose.reset();
-      summary = Solve(&block.graph, options.solver);
-      if (!summary.usable) return Failed("the adjustment with control did not converge: " + summary.message);
-    }
-  }
-
-  Writer writer(track, block, offset, &solution);
-  writer.Poses(stamps);
-  writer.Covariances(options.covariance_spacing_m);
-  writer.Marks(given, rigid_positions);
-  AdjustmentStatistics& statistics = solution.statistics;
+AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary& summary) {
+  AdjustmentStatistics statistics;
   statistics.num_nodes = static_cast<int>(block.nodes.size());
   statistics.num_submaps = static_cast<int>(block.num_submaps);
-  statistics.num_track_constraints = static_cast<int>(block.graph.edges.size()) - accepted;
-  statistics.num_loops = accepted;
-  statistics.num_control_marks = static_cast<int>(
-      std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
+  statistics.num_loops = static_cast<int>(std::count_if(block.graph.edges.begin(), block.graph.edges.end(),
+                                                        [](const auto& edge) { return edge.kind == EdgeKind::kLoop; }));
+  statistics.num_track_constraints = static_cast<int>(block.graph.edges.size()) - statistics.num_loops;
   statistics.degrees_of_freedom = DegreesOfFreedom(block.graph);
   statistics.iterations = summary.iterations;
   statistics.initial_cost = summary.initial_cost;
   statistics.final_cost = summary.final_cost;
   statistics.sigma_zero =
       statistics.degrees_of_freedom > 0 ? std::sqrt(2.0 * summary.final_cost / statistics.degrees_of_freedom) : 0.0;
+  return statistics;
+}
+
+}  // namespace
+
+BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const ControlNetwork& control,
+                            const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options) {
+  if (track.submaps.empty()) return Failed("the track has no submap");
+  BlockGraph block = MakeBlockGraph(track, loops);
+  PoseGraphSummary summary = SolveFree(options.tie.solver, &block.graph);
+  if (!summary.usable) return Failed("the free adjustment did not converge: " + summary.message);
+
+  const std::vector<const ControlPoint*> points = MarkedControl(control, block);
+  if (points.size() == 1 && !options.allow_single_point) {
+    return Failed("the block's marks.csv stands on one control point only, " + points.front()->name +
+                  ": it fixes the place but not the direction; mark a second one, or set allow-single-point = true "
+                  "under [adjust] in block.toml");
+  }
+  BlockAdjustment result;
+  Solution& solution = result.solution;
+  solution.tied = !points.empty();
+  solution.navigation = track.navigation;
+  solution.breaks = BreaksOf(track);
+  ControlTie tie;
+  if (solution.tied) {
+    solution.frame = control.frame;
+    if (points.size() == 1) {
+      tie = ShiftOntoPoint(*points.front(), &block);
+    } else {
+      const double free_sigma_zero = Statistics(block, summary).sigma_zero;
+      FreezeRobustWeights(&block.graph);
+      tie = TieToControl(control, options.tie, MotionOfTrack(track, stamps), &block);
+      tie.verdict.free_sigma_zero = free_sigma_zero;
+      summary = tie.summary;
+    }
+    if (!tie.usable) return Failed(tie.message);
+    solution.site_from_local = tie.site_from_local;
+    solution.rigid_scale = 1.0 + tie.verdict.scale_deviation;
+    solution.control = tie.verdict;
+    solution.findings = tie.findings;
+  }
+
+  Writer writer(track, block, tie.offset, &solution);
+  writer.Poses(stamps);
+  if (const auto covariance = GraphCovariance::Of(block.graph)) {
+    writer.Covariances(*covariance, options.covariance_spacing_m);
+    solution.components = Components(block.graph, *covariance, tie.of_control);
+  }
+  writer.Marks(tie.marks);
+  solution.statistics = Statistics(block, summary);
+  solution.statistics.num_control_marks = static_cast<int>(
+      std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
   result.usable = true;
   return result;
 }

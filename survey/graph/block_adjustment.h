@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The adjustment of one block with its control points, [CN] section 2.3: free solution first, then a rigid fit on the
-// marks (eq. 11), then everything together, control coordinates being observations with their covariance. Without
-// control the free solution stands, in the block's local frame.
+// marks (eq. 11), then everything together, control coordinates being observations with their covariance; blunders
+// among them are left out and explained. Without control the free solution stands, in the block's local frame.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "survey/control/control_point.h"
-#include "survey/graph/pose_graph.h"
+#include "survey/graph/control_tie.h"
 #include "survey/graph/solution.h"
 #include "survey/submaps/track.h"
 
 namespace survey {
 
 struct BlockAdjustmentOptions {
-  PoseGraphOptions solver;
+  ControlTieOptions tie;
   bool allow_single_point = false;  // one control point fixes the place but not the direction
   double covariance_spacing_m =
       2.0;  // covariances are computed for a node per this much path, and for every marked node

@@ -43,7 +43,7 @@ void AddMotions(const Track& track, BlockGraph* block) {
     covariance.diagonal() += Eigen::Vector3d(1e-5 + 1e-4 * way, 1e-5 + 1e-4 * way, 1e-6 + 1e-5 * way);
     const int base = static_cast<int>(block->num_submaps + n);
     block->graph.edges.push_back(
-        {base - 1, base, motion, RotatedCovariance(covariance, -from.local_from_scan.theta), false});
+        {base - 1, base, motion, RotatedCovariance(covariance, -from.local_from_scan.theta), false, EdgeKind::kMotion});
   }
 }
 
@@ -82,9 +82,17 @@ BlockGraph MakeBlockGraph(const Track& track, const std::vector<ScanId>& nodes) 
   return block;
 }
 
+BlockGraph MakeBlockGraph(const Track& track, const Loops& loops) {
+  BlockGraph block = MakeBlockGraph(track);
+  for (const Loop& loop : loops.loops) {
+    if (loop.accepted) AddLoop(loop.constraint, &block);
+  }
+  return block;
+}
+
 void AddLoop(const SubmapConstraint& loop, BlockGraph* block) {
-  block->graph.edges.push_back(
-      {block->PoseOf(loop.submap), block->PoseOf(loop.scan), loop.submap_from_scan, loop.covariance, true});
+  block->graph.edges.push_back({block->PoseOf(loop.submap), block->PoseOf(loop.scan), loop.submap_from_scan,
+                                loop.covariance, true, EdgeKind::kLoop});
 }
 
 std::vector<Pose2> PosesOfAllScans(const Track& track, const BlockGraph& block, const std::vector<StampNs>& stamps) {

@@ -28,6 +28,9 @@ BlockGraph MakeBlockGraph(const Track& track);
 // the whole one does.
 BlockGraph MakeBlockGraph(const Track& track, const std::vector<ScanId>& nodes);
 
+// Of the whole track with the loops that were accepted.
+BlockGraph MakeBlockGraph(const Track& track, const Loops& loops);
+
 void AddLoop(const SubmapConstraint& loop, BlockGraph* block);
 
 // Poses of all scans after the nodes have moved: the track between two nodes is bent to fit both.

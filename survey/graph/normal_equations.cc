@@ -108,8 +108,7 @@ NormalEquations FormNormalEquations(const PoseGraph& graph) {
                        Eigen::Matrix3d(edge.covariance.inverse()), r.error);
   }
   for (const MarkEdge& mark : graph.marks) {
-    const MarkResidual r =
-        EvaluateMark(graph.poses[Index(mark.pose)], graph.points[Index(mark.point)], mark.p_in_pose);
+    const MarkResidual r = EvaluateMark(graph.poses[Index(mark.pose)], graph.points[Index(mark.point)], mark.p_in_pose);
     sum.AddObservation(equations.column_of_pose[Index(mark.pose)], r.d_pose,
                        equations.column_of_point[Index(mark.point)], r.d_point,
                        Eigen::Matrix2d(mark.covariance.inverse()), r.error);

@@ -13,6 +13,10 @@
 
 namespace survey {
 
+// Kinds of relative observations: a node in the submap that it helped to draw; from node to node along the track; a
+// scan in a submap that is not its neighbour.
+enum class EdgeKind { kScanMatch, kMotion, kLoop };
+
 // [CN] eq. (10): measured pose of `target` in the frame of `base`.
 struct PoseEdge {
   int base = 0;
@@ -20,6 +24,7 @@ struct PoseEdge {
   Pose2 base_from_target;
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  // x, y (m), theta (rad)
   bool robust = false;  // under the robust loss: measurements that may be wrong altogether (loop closures)
+  EdgeKind kind = EdgeKind::kScanMatch;
 };
 
 // [CN] eq. (11): the point stood at p_in_pose of a pose.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,13 +27,24 @@ struct NodeCovariance {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
+// How well the others control a mark on a control point, and what they say about it [Baarda68].
+struct MarkTest {
+  double redundancy = 0.0;  // 0: nothing would show an error, 1: everything
+  double t = 0.0;           // chi-square with `degrees_of_freedom` (2) when nothing is wrong
+  int degrees_of_freedom = 2;
+  std::optional<double> detectable;     // smallest error that the test finds (m); empty: none however large
+  std::optional<double> largest_shift;  // of any pose by an error of that size that was not found (m)
+  Eigen::Vector2d left_out = Eigen::Vector2d::Zero();  // place by the others minus given, when it is left out
+  Eigen::Matrix2d left_out_covariance = Eigen::Matrix2d::Zero();  // of that; zero where it is not determined
+};
+
 struct SolvedSubmap {
   SubmapId id;
   Pose2 site_from_submap;
 };
 
-// One occupation after the adjustment. `used` marks stood on control points and took part; the others (check, tie) are
-// positions only.
+// One occupation after the adjustment. `used` marks stood on control points and took part; the others (check, tie, left
+// out as blunders) are positions only.
 struct SolvedMark {
   std::string point;
   StampNs start_ns = 0;
@@ -43,6 +55,32 @@ struct SolvedMark {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();        // of that position
   Eigen::Vector2d residual = Eigen::Vector2d::Zero();          // position - given coordinates, control marks only
   Eigen::Vector2d rigid_residual = Eigen::Vector2d::Zero();    // the same before the adjustment, after a rigid fit
+  std::string left_out;          // why a mark on a control point took no part; empty when it did
+  std::optional<MarkTest> test;  // of marks on control points, used or left out
+};
+
+// Tests of the control as a whole, in a surveyor's order: free, rigid, similarity, constrained.
+struct ControlVerdict {
+  double free_sigma_zero = 0.0;  // of the network without control
+  double rigid_rms = 0.0;        // of the used marks after the rigid fit, m
+  double scale_deviation = 0.0;  // of the similarity fit from 1, weighted; never applied
+  double scale_sigma = 0.0;
+  double chi_square = 0.0;  // of the misfit between control and free network
+  int degrees_of_freedom = 0;
+  double chi_square_lower = 0.0;  // 95 % bounds, two-sided
+  double chi_square_upper = 0.0;
+  double critical_t = 0.0;    // of one mark, at 0.001
+  double rejection_t = 0.0;   // beyond it a mark is left out: 0.5 % for a whole block without blunders
+  bool contradicted = false;  // more than half of the points would have to go: none was left out
+};
+
+// Variance component of a kind of observations [Foerstner79]: squared, weighted residuals by redundancy; 1 where the
+// a-priori sigmas are true.
+struct VarianceComponent {
+  std::string kind;  // "scan match", "motion", "loop", "control"
+  int count = 0;
+  double redundancy = 0.0;
+  double factor = 0.0;
 };
 
 struct AdjustmentStatistics {
@@ -70,6 +108,9 @@ struct Solution {
   NavigationSummary navigation;  // of the track
   std::vector<TrackBreak> breaks;
   AdjustmentStatistics statistics;
+  ControlVerdict control;  // of tied blocks with two control points or more
+  std::vector<VarianceComponent> components;
+  std::vector<std::string> findings;  // sentences: blunders, a scale, control that does not fit
 };
 
 }  // namespace survey

@@ -26,4 +26,16 @@ VarianceFactor VarianceFactorOfLoops(const PoseGraph& graph, double robust_scale
   return result;
 }
 
+PoseGraphSummary SolveFree(const PoseGraphOptions& options, PoseGraph* graph) {
+  PoseGraphOptions free_options = options;
+  free_options.chordal_start = true;  // a long tour may have drifted far
+  PoseGraphSummary summary = Solve(graph, free_options);
+  if (!summary.usable) return summary;
+  const double factor = VarianceFactorOfLoops(*graph, options.robust_scale).factor;
+  for (PoseEdge& edge : graph->edges) edge.covariance *= factor;
+  summary.initial_cost /= factor;
+  summary.final_cost /= factor;
+  return summary;
+}
+
 }  // namespace survey

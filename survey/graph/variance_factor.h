@@ -18,4 +18,8 @@ struct VarianceFactor {
 // Of a solved graph. `robust_scale` as in the solution: loops count by the weight that the loss left them.
 VarianceFactor VarianceFactorOfLoops(const PoseGraph& graph, double robust_scale);
 
+// Free solution: what the sensors alone say. Afterwards the covariances of all edges, and the costs, are those that the
+// loops have confirmed.
+PoseGraphSummary SolveFree(const PoseGraphOptions& options, PoseGraph* graph);
+
 }  // namespace survey

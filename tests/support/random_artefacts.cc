@@ -172,10 +172,17 @@ survey::Solution RandomArtefacts::Solution(int num_scans) {
   for (int i = 0; i < 5; ++i) {
     solution.submaps.push_back({{i}, Pose()});
     solution.marks.push_back({Text(), i, i + 1, ScanIdOf(Below(static_cast<std::uint64_t>(num_scans))), Coin(),
-                              Vector2(), Covariance<2>(), Vector2(), Vector2()});
+                              Vector2(), Covariance<2>(), Vector2(), Vector2(), Text(), std::nullopt});
+    if (Coin()) {
+      solution.marks.back().test = {std::abs(Real(1)), std::abs(Real(9)), 2, std::abs(Real(1)), std::nullopt,
+                                    Vector2(),         Covariance<2>()};
+    }
   }
   solution.navigation = Navigation();
   solution.breaks = {{ScanIdOf(0), Text()}, {ScanIdOf(1), Text()}};
+  solution.control = {Real(1), Real(1), Real(1e-3), Real(1e-3), Real(9), 5, Real(9), Real(9), 13.8, 17.0, Coin()};
+  solution.components = {{"scan match", 7, Real(9), Real(1)}, {Text(), 8, Real(9), Real(1)}};
+  solution.findings = {Text(), Text()};
   solution.statistics = {1, 2, 3, 4, 5, 6, 7, Real(1e9), Real(1.0), Real(2.0)};
   return solution;
 }

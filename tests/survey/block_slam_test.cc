@@ -193,6 +193,31 @@ TEST_F(RingWalk, CheckPointsAreSolvedButDoNotPull) {
   EXPECT_GT((three.solution.marks.back().position_in_site - all.solution.marks.back().position_in_site).norm(), 1e-6);
 }
 
+TEST_F(RingWalk, ExchangedLabelsAndAWrongTimeAreFoundAndExplained) {
+  Session marked = *session;
+  ControlNetwork control =
+      MarkCorners(&marked, *truth, {500123.0, 5600456.0, 2.1}, {0, 105, 210, 300, 375, 480, 600, 750, 900});
+  const Track tied_track = TrackBlock(marked, {});
+  ControlNetwork exchanged = control;
+  std::swap(exchanged.points[2].position_in_site, exchanged.points[5].position_in_site);
+  const BlockAdjustment swapped = AdjustBlock(tied_track, {}, exchanged, Stamps(), {});
+  ASSERT_TRUE(swapped.usable) << swapped.message;
+  EXPECT_FALSE(swapped.solution.marks[2].used);
+  EXPECT_FALSE(swapped.solution.marks[5].used);
+  EXPECT_NE(swapped.solution.marks[2].left_out.find("C3 and C6 look exchanged"), std::string::npos)
+      << swapped.solution.marks[2].left_out;
+
+  for (Mark& mark : marked.marks) {
+    if (mark.point != "C7") continue;  // written down half a second late, at 1 m/s
+    mark.start_ns += 500'000'000;
+    mark.end_ns += 500'000'000;
+  }
+  const BlockAdjustment late = AdjustBlock(TrackBlock(marked, {}), {}, control, Stamps(), {});
+  ASSERT_TRUE(late.usable) << late.message;
+  EXPECT_FALSE(late.solution.marks[6].used);
+  EXPECT_NE(late.solution.marks[6].left_out.find("s earlier"), std::string::npos) << late.solution.marks[6].left_out;
+}
+
 TEST_F(RingWalk, OneControlPointIsRefusedUnlessAllowed) {
   Session marked = *session;
   const ControlNetwork control = MarkCorners(&marked, *truth, {1000, 2000, 0}, {210});

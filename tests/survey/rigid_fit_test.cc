@@ -61,5 +61,22 @@ TEST(FitRigid, RefusesWhatDoesNotFixTheRotation) {
   EXPECT_FALSE(FitRigid(same, same));
 }
 
+TEST(FitRigid, TheRobustFitIgnoresAlmostHalfOfThePairs) {
+  const Pose2 truth{500123.0, 5600456.0, 2.1};
+  std::vector<Eigen::Vector2d> source, target;
+  for (int i = 0; i < 9; ++i) {
+    source.push_back({10.0 * (i % 3), 7.0 * i});
+    target.push_back(truth * source.back() + Eigen::Vector2d(0.001 * (i % 2), -0.002 * (i % 3)));
+  }
+  const RigidFit clean = *FitRigid(source, target);
+  const RigidFit same = *FitRigidRobust(source, target);
+  EXPECT_LT((same.target_from_source.Vector() - clean.target_from_source.Vector()).norm(), 0.003);
+  target[1].x() += 1000.0;  // a digit
+  std::swap(target[4], target[7]);
+  const RigidFit robust = *FitRigidRobust(source, target);
+  EXPECT_LT((robust.target_from_source * source[8] - truth * source[8]).norm(), 0.006);
+  EXPECT_GT((FitRigid(source, target)->target_from_source * source[8] - truth * source[8]).norm(), 1.0);
+}
+
 }  // namespace
 }  // namespace survey

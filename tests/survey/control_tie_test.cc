@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Tests of control in a block's adjustment: closed forms against solving again, planted errors, Monte Carlo.
+#include "survey/graph/control_tie.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "survey/graph/blunder_causes.h"
+#include "survey/graph/given_control.h"
+#include "survey/graph/graph_covariance.h"
+#include "tests/support/garage_block.h"
+
+namespace survey {
+namespace {
+
+using test_support::AdjustGarageBlock;
+using test_support::GarageBlock;
+using test_support::SimulateGarageBlock;
+
+TEST(GiveControl, PutsCorrelatedPointsIntoOneGroup) {
+  ControlNetwork network;
+  for (const char* name : {"A", "B", "C", "D"}) {
+    ControlPoint point{.name = name};
+    point.position_in_site = {100.0 + static_cast<double>(network.points.size()), 200.0};
+    point.covariance = 9e-6 * Eigen::Matrix2d::Identity();
+    network.points.push_back(point);
+  }
+  Eigen::Matrix2d between;
+  between << 4e-6, 1e-6, 0.0, 4e-6;
+  network.correlations = {{0, 2, between}, {1, 3, between}};
+  const GivenControl given = GiveControl(network, {"A", "C", "D"}, {}, {100.0, 200.0});
+  ASSERT_EQ(given.given.size(), 2U);  // A with C; D alone, for B is not marked
+  EXPECT_EQ(given.given[0].points, (std::vector<int>{0, 1}));
+  EXPECT_EQ(given.given[0].coordinates, Eigen::Vector4d(0, 0, 2, 0));
+  EXPECT_EQ((given.given[0].covariance.block<2, 2>(2, 0)), between.transpose());
+  EXPECT_TRUE(given.problem.empty());
+
+  network.correlations.front().covariance = 1e-5 * Eigen::Matrix2d::Identity();  // more than either has by itself
+  EXPECT_NE(GiveControl(network, {"A", "C"}, {}, {0.0, 0.0}).problem.find("around A"), std::string::npos);
+}
+
+TEST(ControlTie, LeavingOutInClosedFormEqualsSolvingAgain) {
+  const GarageBlock clean = SimulateGarageBlock(4);
+  GarageBlock all = clean;
+  const ControlTie tie = AdjustGarageBlock(&all);
+  ASSERT_TRUE(tie.usable) << tie.message;
+  for (std::size_t mark = 0; mark < clean.num_marks(); mark += 3) {
+    GarageBlock without = clean;
+    without.PointOfMark(mark).role = PointRole::kTie;
+    const ControlTie solved = AdjustGarageBlock(&without);
+    ASSERT_FALSE(solved.marks[mark].on_control);
+    const MarkEdge& edge = without.block.graph.marks[mark];
+    const Eigen::Vector2d place =
+        without.block.graph.poses[static_cast<std::size_t>(edge.pose)] * edge.p_in_pose + solved.offset;
+    const MarkTest& test = *tie.marks[mark].test;
+    EXPECT_LT((place - tie.marks[mark].given - test.left_out).norm(), 2e-4) << mark;
+    // Sigma: that of the place without the mark, and of the mark and the point themselves.
+    const auto covariance = GraphCovariance::Of(without.block.graph);
+    const double of_pose = covariance->OfPose(edge.pose).topLeftCorner<2, 2>().trace();
+    const double own = edge.covariance.trace() + without.PointOfMark(mark).covariance.trace();
+    // Control points share 2 mm: place and point move together.
+    EXPECT_NEAR(test.left_out_covariance.trace(), of_pose + own - 2.0 * 2.0 * 4e-6, 0.02 * (of_pose + own)) << mark;
+  }
+}
+
+TEST(ControlTie, RedundanciesSumToTheDegreesOfFreedom) {
+  GarageBlock garage = SimulateGarageBlock(9);
+  const ControlTie tie = AdjustGarageBlock(&garage);
+  const PoseGraph& graph = garage.block.graph;
+  const auto covariance = GraphCovariance::Of(graph);
+  double sum = tie.of_control.redundancy;
+  for (const PoseEdge& edge : graph.edges) sum += covariance->RedundancyOf(edge);
+  const auto rows = static_cast<double>(3 * graph.edges.size() + 2 * graph.marks.size());
+  EXPECT_NEAR(sum, rows - 3.0 * static_cast<double>(graph.poses.size()), 1e-4);
+  for (const TiedMark& mark : tie.marks) {
+    EXPECT_GT(mark.test->redundancy, 0.0);
+    EXPECT_LT(mark.test->redundancy, 1.0);
+  }
+}
+
+// An error of MDB size, not left out, moves no pose further than the external reliability says, and some pose so far.
+TEST(ControlTie, ExternalReliabilityIsTheLargestShiftOfAPose) {
+  const GarageBlock clean = SimulateGarageBlock(5);
+  constexpr std::size_t kMark = 4;
+  const double size = 0.02;
+  std::vector<Pose2> before;
+  double largest = 0.0;
+  for (int k = 0; k < 16; ++k) {
+    const double direction = k * 0.39269908;
+    GarageBlock moved = clean;
+    moved.PointOfMark(kMark).position_in_site += size * Eigen::Vector2d(std::cos(direction), std::sin(direction));
+    GarageBlock still = clean;
+    const ControlTie a = AdjustGarageBlock(&moved);
+    const ControlTie b = AdjustGarageBlock(&still);
+    ASSERT_TRUE(a.marks[kMark].used);
+    for (std::size_t i = 0; i < moved.block.graph.poses.size(); ++i) {
+      largest = std::max(largest, (moved.block.graph.poses[i].Translation() + a.offset -
+                                   still.block.graph.poses[i].Translation() - b.offset)
+                                      .norm());
+    }
+  }
+  GarageBlock garage = clean;
+  const MarkTest test = *AdjustGarageBlock(&garage).marks[kMark].test;
+  EXPECT_NEAR(*test.largest_shift / *test.detectable, largest / size, 0.15 * largest / size);
+}
+
+TEST(ControlTie, ManyBlundersGiveAVerdictAndNothingIsLeftOut) {
+  GarageBlock garage = SimulateGarageBlock(6);
+  for (std::size_t mark = 0; mark < garage.num_marks(); ++mark)
+    garage.PointOfMark(mark).position_in_site +=
+        Eigen::Vector2d(std::cos(9.0 * static_cast<double>(mark)), 1.0 * static_cast<double>(mark % 4));
+  const ControlTie tie = AdjustGarageBlock(&garage);
+  ASSERT_TRUE(tie.usable) << tie.message;
+  EXPECT_TRUE(tie.verdict.contradicted);
+  for (const TiedMark& mark : tie.marks) EXPECT_TRUE(mark.used);
+  ASSERT_FALSE(tie.findings.empty());
+  EXPECT_NE(tie.findings.front().find("contradict"), std::string::npos);
+}
+
+TEST(ControlTie, AScaleIsFoundAndNotApplied) {
+  GarageBlock garage = SimulateGarageBlock(7);
+  for (ControlPoint& point : garage.control.points)
+    point.position_in_site =
+        Eigen::Vector2d(500100, 5600200) + 1.003 * (point.position_in_site - Eigen::Vector2d(500100, 5600200));
+  const ControlTie tie = AdjustGarageBlock(&garage);
+  EXPECT_NEAR(tie.verdict.scale_deviation, 0.003, 4.0 * tie.verdict.scale_sigma);
+  bool named = false;
+  for (const std::string& finding : tie.findings) named = named || finding.find("scale") != std::string::npos;
+  EXPECT_TRUE(named);
+}
+
+TEST(BlunderCauses, MistypedCoordinatesAreNamed) {
+  PlaceByOthers point{.given = {500132.456, 5600123.4}, .error = {9.004, -0.002}};
+  point.covariance = 1e-4 * Eigen::Matrix2d::Identity();
+  const auto exchanged_digits = MistypedCoordinates(point);
+  ASSERT_TRUE(exchanged_digits);
+  EXPECT_NE(exchanged_digits->find("easting 500132.456 looks mistyped: 500123.456"), std::string::npos)
+      << *exchanged_digits;
+
+  point.given.y() = 5600523.4;
+  point.error = {0.003, 400.001};
+  const auto digit = MistypedCoordinates(point);
+  ASSERT_TRUE(digit);
+  EXPECT_NE(digit->find("5600123.400"), std::string::npos) << *digit;
+
+  point.error = {0.25, 0.31};  // nothing to type wrong
+  EXPECT_FALSE(MistypedCoordinates(point));
+  point.given = {230.0, 410.0};
+  point.error = {-180.002, 180.001};
+  EXPECT_EQ(*MistypedCoordinates(point), "easting and northing look exchanged");
+}
+
+TEST(BlunderCauses, AMarkWithAnotherPointsLabelIsNamed) {
+  SuspectMark suspect{"C1", {{10, 10}, {-5.8, 0.01}, 1e-4 * Eigen::Matrix2d::Identity()}, {}};
+  const auto sentences = ExplainBlunders({suspect}, {}, {{"C1", {10, 10}}, {"C2", {15.81, 9.99}}, {"C3", {4, 4}}});
+  EXPECT_NE(sentences.front().find("looks like a mark on C2"), std::string::npos) << sentences.front();
+}
+
+TEST(ControlTie, MonteCarlo) {
+  const auto counts = test_support::CountReliability(1000, 50);
+  const auto share = [&](int count) { return static_cast<double>(count) / counts.runs; };
+  EXPECT_LE(counts.false_alarms, 5);  // 0.1 % of 600: beyond 5 in one of 1000 such tests
+  EXPECT_LE(counts.clean_rejected, 3);
+  EXPECT_NEAR(static_cast<double>(counts.inside) / counts.ellipses, 0.95, 0.05);
+  EXPECT_GE(share(counts.blunders_named), 0.93);
+  EXPECT_GE(share(counts.exchanges_named), 0.97);
+  EXPECT_EQ(counts.times_found, counts.runs);
+  EXPECT_GE(share(counts.times_named), 0.9);
+}
+
+}  // namespace
+}  // namespace survey

@@ -67,6 +67,13 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorStatistics, num_errors, num_points, num_
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassVerdict, class_m, meets, demonstrated, bias_within, blunders, num_beyond_95,
                                    largest_rate_beyond_95)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FitResidual, block, point, given, residual, rigid_residual)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ControlVerdict, free_sigma_zero, rigid_rms, scale_deviation, scale_sigma, chi_square,
+                                   degrees_of_freedom, chi_square_lower, chi_square_upper, critical_t, rejection_t,
+                                   contradicted)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(VarianceComponent, kind, count, redundancy, factor)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MarkReliability, point, used, redundancy, t, detectable, largest_shift,
+                                   left_out_residual, left_out_covariance, left_out)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockReliability, block, verdict, components, marks, findings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TestedCheck, kind, block, name, in_map, reference, error, reference_covariance,
                                    distance_to_control, blunder, outlier)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyTest, statistics, verdict)
@@ -101,8 +108,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockChange, name, num_poses, mean_shift, rms
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DeliveryChanges, control, blocks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, control_adjustment,
-                                   control_remarks, blocks, fit, checks, points_test, features_test, points_analysis,
-                                   features_analysis, stitching, since_delivery, not_tested)
+                                   control_remarks, blocks, fit, reliability, checks, points_test, features_test,
+                                   points_analysis, features_analysis, stitching, since_delivery, not_tested)
 
 }  // namespace survey
 
@@ -112,7 +119,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "plumbline-certificate";
-constexpr int kVersion = 3;
+constexpr int kVersion = 4;
 
 }  // namespace
 

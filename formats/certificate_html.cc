@@ -10,6 +10,7 @@
 #include "formats/certificate_figures.h"
 #include "formats/certificate_style.h"
 #include "formats/html.h"
+#include "formats/reliability_html.h"
 
 namespace formats {
 namespace {
@@ -449,6 +450,7 @@ std::string CertificateHtml(const CertificatePage& page) {
   html += TestedSection(c) + NotTestedSection(c);
   if (c.since_delivery) html += ChangesSection(*c.since_delivery);
   html += MapSection(page) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) + FitSection(c) +
+          ReliabilitySection(c.reliability) +
           ControlListSection(c) + ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();
   return html + "</body></html>\n";

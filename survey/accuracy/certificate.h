@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "survey/accuracy/check_analysis.h"
+#include "survey/accuracy/control_reliability.h"
 #include "survey/accuracy/delivery.h"
 #include "survey/accuracy/error_statistics.h"
 #include "survey/control/control_point.h"
@@ -127,6 +128,7 @@ struct Certificate {
   std::vector<std::string> control_remarks;             // how its coordinates came into the site's system
   std::vector<BlockCertificate> blocks;
   std::vector<FitResidual> fit;
+  std::vector<BlockReliability> reliability;  // of the control of tied blocks
   std::vector<TestedCheck> checks;
   AccuracyTest points_test;  // all tied blocks together
   AccuracyTest features_test;

@@ -71,6 +71,7 @@ class Certifier {
     for (const CertifiedBlock& block : input_.blocks) {
       if (!block.solution.tied) continue;
       certificate_.tied = true;
+      certificate_.reliability.push_back(ReliabilityOf(block.name, block.solution));
       for (const SolvedMark& mark : block.solution.marks) {
         if (!mark.used) continue;
         certificate_.fit.push_back({.block = block.name,
@@ -288,7 +289,10 @@ class Certifier {
     // A track that may have come apart is not demonstrated to meet anything, whatever the checks say.
     const bool broken = std::any_of(certificate_.blocks.begin(), certificate_.blocks.end(),
                                     [](const auto& block) { return block.tied && !block.breaks.empty(); });
-    if (broken && statement.demonstrated) statement.demonstrated = false;
+    // Neither is a map that contradicts its control.
+    const bool contradicted = std::any_of(certificate_.reliability.begin(), certificate_.reliability.end(),
+                                          [](const auto& block) { return block.verdict.contradicted; });
+    if ((broken || contradicted) && statement.demonstrated) statement.demonstrated = false;
   }
 
   const CertifyInput& input_;

@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
         files.solution.empty() ? survey::Solution{} : formats::ReadSolution(files.solution);
     if (!files.solution.empty() && solution.scans.size() != track.scans.size())
       throw formats::DataError(files.solution.string() + ": does not belong to " + files.track.string());
-    const survey::PoseGraphSummary summary = survey::SolveFree({}, &block.graph);
+    const survey::PoseGraphSummary summary = survey::SolveFree({}, &block.graph).summary;
     if (!summary.usable) throw formats::DataError(files.track.string() + ": " + summary.message);
     survey::FreezeRobustWeights(&block.graph);
     const std::vector<std::pair<int, std::string>> existing = ExistingPoints(solution, block);

@@ -189,7 +189,8 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
                             const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options) {
   if (track.submaps.empty()) return Failed("the track has no submap");
   BlockGraph block = MakeBlockGraph(track, loops);
-  PoseGraphSummary summary = SolveFree(options.tie.solver, &block.graph);
+  const FreeSolution free = SolveFree(options.tie.solver, &block.graph);
+  PoseGraphSummary summary = free.summary;
   if (!summary.usable) return Failed("the free adjustment did not converge: " + summary.message);
 
   const std::vector<const ControlPoint*> points = MarkedControl(control, block);
@@ -211,7 +212,7 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
     } else {
       const double free_sigma_zero = Statistics(block, summary).sigma_zero;
       FreezeRobustWeights(&block.graph);
-      tie = TieToControl(control, options.tie, MotionOfTrack(track, stamps), &block);
+      tie = TieToControl(control, options.tie, free.factor, MotionOfTrack(track, stamps), &block);
       tie.verdict.free_sigma_zero = free_sigma_zero;
       summary = tie.summary;
     }

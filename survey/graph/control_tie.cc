@@ -12,6 +12,7 @@
 #include "survey/graph/control_misfit.h"
 #include "survey/graph/control_tests.h"
 #include "survey/graph/given_control.h"
+#include "survey/graph/network_widening.h"
 
 namespace survey {
 namespace {
@@ -27,14 +28,16 @@ class Tie {
   Tie(const ControlNetwork& control, const ControlTieOptions& options, const MotionInScan& motion, BlockGraph* block)
       : control_(control), options_(options), motion_(motion), block_(*block) {}
 
-  ControlTie Run() {
+  ControlTie Run(bool network_confirmed) {
     if (!MoveToSite()) {
       result_.message = "the marked control points lie on one place: the direction of the block cannot be fixed";
       return std::move(result_);
     }
     const GivenControl all = GiveControl(control_, block_.point_names, {}, result_.offset);
     result_.message = all.problem;
-    if (!all.problem.empty() || !Iterate(all.given)) return std::move(result_);
+    if (!all.problem.empty()) return std::move(result_);
+    if (!network_confirmed) WidenNetwork(all.given);
+    if (!Iterate(all.given)) return std::move(result_);
     Report();
     block_.graph = std::move(constrained_);
     result_.usable = true;
@@ -72,6 +75,12 @@ class Tie {
     for (Pose2& pose : graph.poses) pose = moved * pose;
     for (Eigen::Vector2d& point : graph.points) point = moved * point;
     return true;
+  }
+
+  void WidenNetwork(const std::vector<GivenCoordinates>& given) {
+    const std::optional<ControlMisfit> misfit = MisfitOfControl(block_.graph, given);
+    const double factor = misfit ? WideningFactor(*misfit) : 1.0;
+    for (PoseEdge& edge : block_.graph.edges) edge.covariance *= factor;
   }
 
   // Search and adjustment until the search at the adjusted poses leaves out what was left out.
@@ -251,9 +260,9 @@ class Tie {
 
 }  // namespace
 
-ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options, const MotionInScan& motion,
-                        BlockGraph* block) {
-  return Tie(control, options, motion, block).Run();
+ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options, const VarianceFactor& of_loops,
+                        const MotionInScan& motion, BlockGraph* block) {
+  return Tie(control, options, motion, block).Run(of_loops.told);
 }
 
 void FreezeRobustWeights(PoseGraph* graph) {

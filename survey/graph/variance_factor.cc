@@ -22,20 +22,21 @@ VarianceFactor VarianceFactorOfLoops(const PoseGraph& graph, double robust_scale
     squares += weight * square;
     result.redundancy += weight * covariance->RedundancyOf(edge);
   }
-  if (result.redundancy >= kLeastRedundancy && squares > 0.0) result.factor = squares / result.redundancy;
+  result.told = result.redundancy >= kLeastRedundancy && squares > 0.0;
+  if (result.told) result.factor = squares / result.redundancy;
   return result;
 }
 
-PoseGraphSummary SolveFree(const PoseGraphOptions& options, PoseGraph* graph) {
+FreeSolution SolveFree(const PoseGraphOptions& options, PoseGraph* graph) {
   PoseGraphOptions free_options = options;
   free_options.chordal_start = true;  // a long tour may have drifted far
-  PoseGraphSummary summary = Solve(graph, free_options);
-  if (!summary.usable) return summary;
-  const double factor = VarianceFactorOfLoops(*graph, options.robust_scale).factor;
-  for (PoseEdge& edge : graph->edges) edge.covariance *= factor;
-  summary.initial_cost /= factor;
-  summary.final_cost /= factor;
-  return summary;
+  FreeSolution free{.summary = Solve(graph, free_options)};
+  if (!free.summary.usable) return free;
+  free.factor = VarianceFactorOfLoops(*graph, options.robust_scale);
+  for (PoseEdge& edge : graph->edges) edge.covariance *= free.factor.factor;
+  free.summary.initial_cost /= free.factor.factor;
+  free.summary.final_cost /= free.factor.factor;
+  return free;
 }
 
 }  // namespace survey

@@ -13,6 +13,7 @@ namespace survey {
 struct VarianceFactor {
   double factor = 1.0;      // of the covariances of all edges; 1 where too few loops tell
   double redundancy = 0.0;  // of the loops
+  bool told = false;        // by enough loops
 };
 
 // Of a solved graph. `robust_scale` as in the solution: loops count by the weight that the loss left them.
@@ -20,6 +21,10 @@ VarianceFactor VarianceFactorOfLoops(const PoseGraph& graph, double robust_scale
 
 // Free solution: what the sensors alone say. Afterwards the covariances of all edges, and the costs, are those that the
 // loops have confirmed.
-PoseGraphSummary SolveFree(const PoseGraphOptions& options, PoseGraph* graph);
+struct FreeSolution {
+  PoseGraphSummary summary;
+  VarianceFactor factor;  // applied to the covariances
+};
+FreeSolution SolveFree(const PoseGraphOptions& options, PoseGraph* graph);
 
 }  // namespace survey

@@ -186,10 +186,10 @@ GarageBlock SimulateGarageBlock(std::uint32_t seed) {
 
 survey::ControlTie AdjustGarageBlock(GarageBlock* garage) {
   const survey::ControlTieOptions options;
-  survey::SolveFree(options.solver, &garage->block.graph);
+  const survey::FreeSolution free = survey::SolveFree(options.solver, &garage->block.graph);
   survey::FreezeRobustWeights(&garage->block.graph);
   return survey::TieToControl(
-      garage->control, options,
+      garage->control, options, free.factor,
       [](std::size_t, double seconds) { return Eigen::Vector2d(kGarageSpeed_m_s * seconds, 0.0); }, &garage->block);
 }
 

@@ -106,6 +106,25 @@ TEST(ControlTie, ExternalReliabilityIsTheLargestShiftOfAPose) {
   EXPECT_NEAR(*test.largest_shift / *test.detectable, largest / size, 0.15 * largest / size);
 }
 
+// No loops, and sigmas that are ten times too small: good marks must not pay for it, a gross error must still be found.
+TEST(ControlTie, ControlWidensAnOptimisticNetwork) {
+  int spared = 0;
+  int found = 0;
+  for (std::uint32_t seed = 20; seed < 30; ++seed) {
+    GarageBlock optimistic = SimulateGarageBlock(seed);
+    std::erase_if(optimistic.block.graph.edges, [](const PoseEdge& edge) { return edge.kind == EdgeKind::kLoop; });
+    for (PoseEdge& edge : optimistic.block.graph.edges) edge.covariance /= 100.0;
+    GarageBlock good = optimistic;
+    const ControlTie tie = AdjustGarageBlock(&good);
+    spared += std::all_of(tie.marks.begin(), tie.marks.end(), [](const TiedMark& mark) { return mark.used; }) ? 1 : 0;
+    optimistic.PointOfMark(5).position_in_site.x() += 10.0;
+    const ControlTie with_error = AdjustGarageBlock(&optimistic);
+    found += with_error.marks[5].used || !with_error.marks[4].used ? 0 : 1;
+  }
+  EXPECT_GE(spared, 9);
+  EXPECT_GE(found, 9);
+}
+
 TEST(ControlTie, ManyBlundersGiveAVerdictAndNothingIsLeftOut) {
   GarageBlock garage = SimulateGarageBlock(6);
   for (std::size_t mark = 0; mark < garage.num_marks(); ++mark)

@@ -34,7 +34,7 @@ double WideningFactor(const ControlMisfit& misfit) {
   double low = 0.0;  // logarithms
   double high = std::log(kLargestFactor);
   if (MedianT(misfit, 1.0) <= median) return 1.0;
-  for (int step = 0; step < 30; ++step) {
+  for (int step = 0; step < 20; ++step) {
     const double middle = (low + high) / 2.0;
     (MedianT(misfit, std::exp(middle)) > median ? low : high) = middle;
   }

@@ -33,6 +33,12 @@ survey::Certificate Example() {
   survey::Solution solution{.tied = true, .frame = input.network.frame};
   solution.marks = {{.point = "C1", .used = true, .residual = {0.001, 0.002}},
                     {.point = "K1", .position_in_site = {5.01, 5}}};
+  solution.marks[0].test = survey::MarkTest{.redundancy = 0.4, .t = 3.0, .degrees_of_freedom = 1};
+  solution.marks.push_back({.point = "C2", .left_out = "left out: 5 m away"});
+  solution.marks.back().test =
+      survey::MarkTest{.redundancy = 0.6, .t = 99.0, .detectable = 0.03, .largest_shift = 0.02};
+  solution.components = {{"loop", 17, 32.1, 0.99}};
+  solution.findings = {solution.marks.back().left_out};
   std::vector<survey::MapFeature> shifted, exact;
   for (const survey::NamedFeature& feature : input.reference_features) {
     const Eigen::Vector2d& p = feature.position_in_site;

@@ -53,6 +53,10 @@ survey::CertifyInput Site(bool tied) {
                                      .position_in_site = point.position_in_site + residual,
                                      .residual = residual,
                                      .rigid_residual = noise(0.05)});
+      if (used) {
+        each.solution.marks.back().test = survey::MarkTest{
+            .redundancy = 0.612, .t = 2.5, .detectable = 0.0353, .largest_shift = 0.017, .left_out = {0.0014, -0.0025}};
+      }
       const survey::NamedFeature& feature = input.reference_features[static_cast<std::size_t>(i)];
       each.features.push_back({.name = feature.name,
                                .found = true,
@@ -96,6 +100,9 @@ TEST(CertificateHtmlTest, SaysWhatTheCertificateSays) {
   EXPECT_TRUE(Has(html, "using ONLY 9 checkpoints"));
   EXPECT_TRUE(Has(html, "not an accuracy"));
   EXPECT_TRUE(Has(html, "NOT TIED TO CONTROL: block B3"));
+  EXPECT_TRUE(Has(html, "Reliability of the control"));
+  EXPECT_TRUE(Has(html, "No mark was left out"));
+  for (const char* number : {">0.612<", ">2.5<", ">35.3<", ">17.0<", ">1.4<", ">-2.5<"}) EXPECT_TRUE(Has(html, number));
   EXPECT_TRUE(Has(html, "<td>B1</td><td>ingest 0.1.0</td>"));
   EXPECT_TRUE(Has(html, std::string(64, 'a')));
 }

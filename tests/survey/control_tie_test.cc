@@ -125,6 +125,30 @@ TEST(ControlTie, ControlWidensAnOptimisticNetwork) {
   EXPECT_GE(found, 9);
 }
 
+// A point that was marked twice: wrong coordinates blame both marks, one wrong mark only itself.
+TEST(ControlTie, TellsAWrongPointFromAWrongMark) {
+  GarageBlock clean = SimulateGarageBlock(8);
+  PoseGraph& graph = clean.block.graph;
+  const std::size_t lap = graph.poses.size() / 2;
+  MarkEdge again = graph.marks[5];
+  again.pose += static_cast<int>(lap);
+  graph.marks.push_back(again);
+
+  GarageBlock wrong_point = clean;
+  wrong_point.PointOfMark(5).position_in_site += Eigen::Vector2d(0.4, -0.3);
+  const ControlTie point = AdjustGarageBlock(&wrong_point);
+  EXPECT_FALSE(point.marks[5].used);
+  EXPECT_FALSE(point.marks.back().used);
+  // The point is not fixed any more but still ties its marks together.
+  EXPECT_EQ(wrong_point.block.graph.marks[5].point, wrong_point.block.graph.marks.back().point);
+
+  GarageBlock wrong_mark = clean;
+  wrong_mark.block.graph.marks.back().p_in_pose += Eigen::Vector2d(0.4, -0.3);
+  const ControlTie mark = AdjustGarageBlock(&wrong_mark);
+  EXPECT_TRUE(mark.marks[5].used);
+  EXPECT_FALSE(mark.marks.back().used);
+}
+
 TEST(ControlTie, ManyBlundersGiveAVerdictAndNothingIsLeftOut) {
   GarageBlock garage = SimulateGarageBlock(6);
   for (std::size_t mark = 0; mark < garage.num_marks(); ++mark)

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/certificate_figures.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "formats/html.h"
+#include "formats/svg.h"
 
 namespace formats {
 namespace {
@@ -18,40 +20,7 @@ constexpr double kMaxMapHeight = 620.0;
 constexpr double kLegendHeight = 62.0;
 constexpr double kScatterSize = 330.0;
 constexpr const char* kControlColour = "#1f5fa8";
-constexpr const char* kCheckColour = "#c0262c";
 constexpr const char* kTrackColours[] = {"#7a9e3a", "#b07cc6", "#d9912f", "#3aa6a0", "#8a8a8a", "#c45f8a"};
-
-std::string Px(double value) { return Fixed(value, 1); }
-
-std::string Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const std::string& style) {
-  return "<line x1=\"" + Px(a.x()) + "\" y1=\"" + Px(a.y()) + "\" x2=\"" + Px(b.x()) + "\" y2=\"" + Px(b.y()) + "\" " +
-         style + "/>\n";
-}
-
-std::string Circle(const Eigen::Vector2d& centre, double radius, const std::string& style) {
-  return "<circle cx=\"" + Px(centre.x()) + "\" cy=\"" + Px(centre.y()) + "\" r=\"" + Px(radius) + "\" " + style +
-         "/>\n";
-}
-
-std::string Label(const Eigen::Vector2d& at, const std::string& text, const std::string& style = "") {
-  return "<text x=\"" + Px(at.x()) + "\" y=\"" + Px(at.y()) + "\" " + style + ">" + Escaped(text) + "</text>\n";
-}
-
-std::string Triangle(const Eigen::Vector2d& at, double r, const std::string& style) {
-  return "<path d=\"M" + Px(at.x()) + " " + Px(at.y() - r) + " L" + Px(at.x() + 0.87 * r) + " " + Px(at.y() + 0.5 * r) +
-         " L" + Px(at.x() - 0.87 * r) + " " + Px(at.y() + 0.5 * r) + " Z\" " + style + "/>\n";
-}
-
-std::string Square(const Eigen::Vector2d& at, double r, const std::string& style) {
-  return "<rect x=\"" + Px(at.x() - r) + "\" y=\"" + Px(at.y() - r) + "\" width=\"" + Px(2 * r) + "\" height=\"" +
-         Px(2 * r) + "\" " + style + "/>\n";
-}
-
-std::string CheckSymbol(CheckKind kind, const Eigen::Vector2d& at, bool blunder) {
-  const std::string style = std::string("fill=\"") + (blunder ? kCheckColour : "white") + "\" stroke=\"" +
-                            kCheckColour + "\" stroke-width=\"1.2\"";
-  return kind == CheckKind::kPoint ? Circle(at, 3.6, style) : Square(at, 3.0, style);
-}
 
 std::string ArrowTo(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const std::string& colour) {
   const std::string style = "stroke=\"" + colour + "\" stroke-width=\"1.4\"";
@@ -61,28 +30,6 @@ std::string ArrowTo(const Eigen::Vector2d& from, const Eigen::Vector2d& to, cons
   const Eigen::Vector2d back = -along.normalized() * 4.5;
   const Eigen::Vector2d side(-back.y(), back.x());
   return arrow + Line(to, to + back + 0.5 * side, style) + Line(to, to + back - 0.5 * side, style);
-}
-
-// The largest of 1, 2, 5 times a power of ten that is not above `value`.
-double RoundDown(double value) {
-  const double power = std::pow(10.0, std::floor(std::log10(value)));
-  for (const double step : {5.0, 2.0}) {
-    if (step * power <= value * (1 + 1e-9)) return step * power;
-  }
-  return power;
-}
-
-std::string LengthText(double metres) {
-  if (metres < 0.01) return Fixed(metres * 1000, metres < 0.001 ? 1 : 0) + " mm";
-  if (metres < 1) return Fixed(metres * 100, 0) + " cm";
-  return Fixed(metres, 0) + " m";
-}
-
-std::string ScaleBar(const Eigen::Vector2d& at, double length, const std::string& text, const std::string& colour) {
-  const std::string style = "stroke=\"" + colour + "\" stroke-width=\"1.6\"";
-  const Eigen::Vector2d end = at + Eigen::Vector2d(length, 0), tick(0, 4);
-  return Line(at, end, style) + Line(at - tick, at + tick, style) + Line(end - tick, end + tick, style) +
-         Label(end + Eigen::Vector2d(7, 4), text);
 }
 
 // Site coordinates to the drawing's pixels.
@@ -210,6 +157,17 @@ std::string Legend(const CertificatePage& page, const View& view, double enlarge
   return svg;
 }
 
+// Holds 95 % of a normal error; covariance in pixels, north up.
+std::string Ellipse95(const Eigen::Vector2d& centre, const Eigen::Matrix2d& covariance) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
+  const Eigen::Vector2d radii = 2.4477 * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::Vector2d along = solver.eigenvectors().col(1);
+  const double turn_deg = -std::atan2(along.y(), along.x()) * 180.0 / M_PI;
+  return "<ellipse rx=\"" + Px(radii.y()) + "\" ry=\"" + Px(radii.x()) + "\" transform=\"translate(" + Px(centre.x()) +
+         " " + Px(centre.y()) + ") rotate(" + Px(turn_deg) + ")\" fill=\"none\" stroke=\"" + kCheckColour +
+         "\" stroke-dasharray=\"3 2\"/>\n";
+}
+
 }  // namespace
 
 std::string ResidualMapSvg(const CertificatePage& page) {
@@ -231,9 +189,10 @@ std::string ResidualMapSvg(const CertificatePage& page) {
 }
 
 std::string ErrorScatterSvg(const Certificate& certificate) {
-  const std::optional<double> ce95 = certificate.features_test.statistics.num_points > 0
-                                         ? certificate.features_test.statistics.ce95
-                                         : certificate.points_test.statistics.ce95;
+  const survey::ErrorStatistics& statistics = certificate.features_test.statistics.num_points > 0
+                                                  ? certificate.features_test.statistics
+                                                  : certificate.points_test.statistics;
+  const std::optional<double> ce95 = statistics.ce95;
   const double class_m = certificate.class_m.value_or(0.0);
   double reach = std::max({0.001, class_m, ce95.value_or(0.0)});
   for (const TestedCheck& check : certificate.checks) reach = std::max(reach, check.error.norm());
@@ -255,6 +214,7 @@ std::string ErrorScatterSvg(const Certificate& certificate) {
     svg += Circle(centre, scale * class_m,
                   "fill=\"none\" stroke=\"#2c7a2c\" stroke-width=\"1.6\" stroke-dasharray=\"6 3\"");
   if (ce95) svg += Circle(centre, scale * *ce95, std::string("fill=\"none\" stroke=\"") + kCheckColour + "\"");
+  if (statistics.covariance) svg += Ellipse95(at(statistics.mean), scale * scale * *statistics.covariance);
   for (const TestedCheck& check : certificate.checks) svg += CheckSymbol(check.kind, at(check.error), check.blunder);
   svg +=
       Label({kScatterSize - 4, centre.y() - 5}, "east", "text-anchor=\"end\"") + Label({centre.x() + 5, 11}, "north");
@@ -265,7 +225,7 @@ std::string ErrorScatterSvg(const Certificate& certificate) {
   }
   if (ce95) {
     svg += Line({178, y}, {204, y}, std::string("stroke=\"") + kCheckColour + "\"");
-    svg += Label({210, y + 4}, "95 % circle " + Fixed(*ce95 * 100, 1) + " cm");
+    svg += Label({210, y + 4}, "95 % circle " + Fixed(*ce95 * 100, 1) + " cm, ellipse");
   }
   return svg + ScaleBar({8, y + 20}, grid * scale, LengthText(grid) + " (grid)", "#222") + "</svg>\n";
 }

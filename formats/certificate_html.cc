@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "formats/certificate_analysis.h"
 #include "formats/certificate_changes.h"
 #include "formats/certificate_figures.h"
 #include "formats/certificate_style.h"
@@ -21,16 +22,6 @@ using survey::Certificate;
 using survey::ErrorStatistics;
 
 constexpr const char* kDash = "&ndash;";
-
-std::string P(const std::string& text, const std::string& kind = "") {
-  return (kind.empty() ? "<p>" : "<p class=\"" + kind + "\">") + text + "</p>\n";
-}
-
-std::string H2(const std::string& text) { return "<h2>" + text + "</h2>\n"; }
-
-std::string Figure(const std::string& svg, const std::string& caption) {
-  return "<figure>" + svg + "<figcaption>" + caption + "</figcaption></figure>\n";
-}
 
 std::string Mm(const std::optional<double>& metres) { return metres ? Millimetres(*metres) : kDash; }
 
@@ -71,6 +62,8 @@ class StatisticsTable {
            [](const ErrorStatistics& s) { return s.bias ? Fixed(s.bias->p_value, 3) : std::string(kDash); });
     Number("NMAD east / north (robust)",
            [](const ErrorStatistics& s) { return s.nmad ? Mm(s.nmad->x()) + " / " + Mm(s.nmad->y()) : kDash; });
+    Number("lengths of errors, 68.3 % / 95 %",
+           [](const ErrorStatistics& s) { return Mm(s.length_68.value) + " / " + Mm(s.length_95.value); });
     Number("largest error", [](const ErrorStatistics& s) { return Mm(s.max); });
     if (features_.verdict || points_.verdict) Verdicts();
     return table_.Text();
@@ -200,7 +193,9 @@ std::string ChecksSection(const Certificate& c) {
   HtmlTable table(
       {"check", "kind", "block", "east (m)", "north (m)", "dE", "dN", "d", "&sigma; check", "to control (m)"}, 3);
   for (const survey::TestedCheck& check : c.checks) {
-    table.Row({Escaped(check.name) + (check.blunder ? " <b>!</b>" : ""),
+    table.Row({Escaped(check.name) + (check.blunder   ? " <b>!</b>"
+                                      : check.outlier ? " <b>?</b>"
+                                                      : ""),
                check.kind == survey::CheckKind::kPoint ? "point" : "feature", Escaped(check.block),
                Coordinate(check.reference.x()), Coordinate(check.reference.y()), Millimetres(check.error.x()),
                Millimetres(check.error.y()), Millimetres(check.error.norm()),
@@ -210,7 +205,9 @@ std::string ChecksSection(const Certificate& c) {
   }
   return H2("Checks (tested)") +
          P("d = map &minus; check, mm. &sigma; check: survey of the check and its picking or centring, both axes. "
-           "Flagged (!) errors exceed 3 class/&radic;2 in an axis: they stay in all numbers.",
+           "Flagged (!) errors exceed 3 class/&radic;2 in an axis, others (?) do not belong to the rest: all stay in "
+           "all "
+           "numbers.",
            "note lead") +
          table.Text();
 }
@@ -437,6 +434,7 @@ std::string Formulas() {
          "n(&lambda;<sub>1</sub>+&lambda;<sub>2</sub>)&sup2;/(&lambda;<sub>1</sub>&sup2;+&lambda;<sub>2</sub>&sup2;) "
          "of the second-moment matrix; n counts points, not errors. CE95 exact: radius that holds 95 % of the normal "
          "distribution with the errors' mean and covariance. Bias: Hotelling's T&sup2;. Rate: Clopper&ndash;Pearson. "
+         "Classes: ellipse of the scatter 2.4477 &sigma;. "
          "[1] ASPRS Positional Accuracy Standards for Digital Geospatial Data, Edition 2, Version 2, 2024, sections "
          "7.2, 7.3, 7.11 and 7.16. [2] FGDC-STD-007.3-1998, NSSDA. Every number is in certificate.json.</p>\n";
 }
@@ -447,11 +445,11 @@ std::string CertificateHtml(const CertificatePage& page) {
   const Certificate& c = page.certificate;
   std::string html = Head(page) + StatementSection(c);
   if (c.tied) html += SignatureSection();
-  html += TestedSection(c) + NotTestedSection(c);
+  html += TestedSection(c) + ClassesSection(c) + NotTestedSection(c) + MapSection(page);
+  html += "<h1 class=\"appendices\">Appendices</h1>\n";
   if (c.since_delivery) html += ChangesSection(*c.since_delivery);
-  html += MapSection(page) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) + FitSection(c) +
-          ReliabilitySection(c.reliability) +
-          ControlListSection(c) + ProvenanceSection(page.provenance);
+  html += AnalysisSection(c) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) + FitSection(c) +
+          ReliabilitySection(c.reliability) + ControlListSection(c) + ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();
   return html + "</body></html>\n";
 }

@@ -5,7 +5,8 @@ namespace formats {
 
 // For A4 on paper and a column of the same width on screen.
 inline constexpr const char* kCertificateStyle = R"css(
-@page { size: A4; margin: 14mm 15mm; }
+@page { size: A4; margin: 14mm 15mm 16mm; @bottom-right { content: counter(page) " of " counter(pages);
+  font: 8pt "Liberation Sans", Arial, sans-serif; color: #667; } }
 * { box-sizing: border-box; }
 body { font: 10pt/1.4 "Liberation Sans", Arial, Helvetica, sans-serif; color: #1c1c1c; max-width: 180mm; margin: 8mm auto;
   padding: 0 2mm; }
@@ -16,6 +17,7 @@ h2 { font-size: 12.5pt; color: #1f3c5c; border-bottom: .5pt solid #b8c4d0; margi
   break-after: avoid; }
 h3 { font-size: 10.5pt; margin: 2mm 0 1mm; break-after: avoid; }
 p { margin: 1.5mm 0; }
+h1.appendices { break-before: page; font-size: 15pt; }
 .site { font-size: 12pt; margin: 0 0 2mm; }
 .maker { color: #667; font-size: 9pt; padding-bottom: 2mm; }
 .note { color: #555; font-size: 8.5pt; }
@@ -49,6 +51,8 @@ svg { width: 100%; height: auto; display: block; font: 11px "Liberation Sans", A
 .pair { display: grid; grid-template-columns: 35% 63%; gap: 2%; align-items: start; break-inside: avoid; }
 .pair table { font-size: 7.8pt; line-height: 1.25; }
 .pair td { padding: .45mm 1.5mm; }
+@media screen { .two { display: grid; grid-template-columns: 1fr 1fr; gap: 4%; } }
+@media print { .two figure { display: inline-block; width: 48%; margin: 0 .5%; } }
 @media print { body { margin: 0; padding: 0; max-width: none; } }
 .small table { font-size: 7.2pt; }
 code { font: 90% "Liberation Mono", monospace; overflow-wrap: anywhere; }

@@ -57,6 +57,16 @@ std::string Base64(std::string_view bytes) {
   return text;
 }
 
+std::string P(const std::string& text, const std::string& kind) {
+  return (kind.empty() ? "<p>" : "<p class=\"" + kind + "\">") + text + "</p>\n";
+}
+
+std::string H2(const std::string& text) { return "<h2>" + text + "</h2>\n"; }
+
+std::string Figure(const std::string& svg, const std::string& caption) {
+  return "<figure>" + svg + "<figcaption>" + caption + "</figcaption></figure>\n";
+}
+
 HtmlTable::HtmlTable(std::initializer_list<std::string> heads, std::size_t first_number) : first_number_(first_number) {
   head_ = "<thead><tr>" + Cells(heads, "th") + "</tr></thead>";
 }

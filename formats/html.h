@@ -15,6 +15,11 @@ std::string Fixed(double value, int decimals);  // "-0.00" prints as "0.00"
 std::string Millimetres(double metres);         // "12.3"
 std::string Base64(std::string_view bytes);
 
+// Text that is HTML already, in a paragraph (of a class), a heading, a figure with its caption.
+std::string P(const std::string& html, const std::string& kind = "");
+std::string H2(const std::string& html);
+std::string Figure(const std::string& svg, const std::string& caption);
+
 // A table; cells are HTML already. Short ones are kept on one page. Columns from `first_number` on are set
 // right-aligned.
 class HtmlTable {

@@ -32,7 +32,7 @@ plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
 export PATH := $(plumbline.bin):$(PATH)
 
 plumbline.block-stages := ingest track loops adjust grid edit features
-plumbline.site-stages := network stitch certify report
+plumbline.site-stages := network stitch certify report print
 
 # Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
 # looks and needs no lock.
@@ -148,12 +148,20 @@ $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sq
   $(if $(delivered),--delivered-control delivered/control.csv --delivered-poses delivered/poses.csv)\
   --output out/certificate.json)
 
-$(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite),out/certificate.html,\
+$(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite),\
+  out/certificate.html out/site.gpkg out/site.dxf,\
   --certificate out/certificate.json $(addprefix --site-map ,$(site-map))\
-  --solution $(call named,$(blocks),solution.sqlite) --output out/certificate.html)
+  --solution $(call named,$(blocks),solution.sqlite) --geopackage out/site.gpkg --dxf out/site.dxf\
+  --output out/certificate.html)
+
+# On paper where WeasyPrint is installed; WEASYPRINT= leaves the PDF out.
+WEASYPRINT ?= $(shell command -v weasyprint)
+$(if $(WEASYPRINT),$(call stage,print,,out/certificate.html,out/certificate.pdf,\
+  --page out/certificate.html --output out/certificate.pdf))
+print: ; @$(if $(WEASYPRINT),:,echo 'no PDF: WeasyPrint is not installed (Debian package weasyprint)' >&2)
 
 .PHONY: $(plumbline.block-stages) $(plumbline.site-stages)
-$(plumbline.block-stages) $(plumbline.site-stages): ; @:
+$(filter-out print,$(plumbline.block-stages) $(plumbline.site-stages)): ; @:
 
 all: $(foreach r,$(plumbline.runs),$($(r).outputs)) ; @:
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The certificate as a page for people.
+// The certificate as a page for people, and what it knows as layers for GIS and CAD.
 #include "formats/artefacts.h"
 #include "formats/atomic_file.h"
 #include "formats/certificate_file.h"
 #include "formats/certificate_html.h"
+#include "formats/site_vectors.h"
+#include "formats/vector_files.h"
 #include "pipeline/stage.h"
 
 namespace {
@@ -28,20 +30,28 @@ std::vector<formats::BlockTrajectory> ReadTrajectories(const std::vector<pipelin
 }  // namespace
 
 int main(int argc, char** argv) {
-  pipeline::Stage stage("report", "Write the certificate as a self-contained HTML page.",
-                        "plumbline report --certificate out/certificate.json --site-map out/site.tif --solution "
-                        "B1=work/B1/solution.sqlite --output out/certificate.html");
-  std::filesystem::path certificate, site_map, output;
+  pipeline::Stage stage(
+      "report",
+      "Write the certificate as a self-contained HTML page, and its points, vectors and tracks for GIS and CAD.",
+      "plumbline report --certificate out/certificate.json --site-map out/site.tif --solution "
+      "B1=work/B1/solution.sqlite --geopackage out/site.gpkg --dxf out/site.dxf --output out/certificate.html");
+  std::filesystem::path certificate, site_map, output, geopackage, dxf;
   std::vector<pipeline::NamedFile> solutions;
   stage.Input("certificate", &certificate, "certificate.json");
   stage.OptionalInput("site-map", &site_map, "site.tif, for the figures");
   stage.NamedInputs("solution", &solutions, "solution.sqlite of each block, for the figures", false);
   stage.Output("output", &output, "certificate.html to write");
+  stage.OptionalOutput("geopackage", &geopackage, "site.gpkg to write: control, checks, error vectors, tracks");
+  stage.OptionalOutput("dxf", &dxf, "site.dxf to write: the same for CAD");
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     formats::CertificatePage page{.certificate = formats::ReadCertificate(certificate),
                                   .trajectories = ReadTrajectories(solutions)};
     if (!site_map.empty()) page.map = formats::ReadMapThumbnail(site_map, kMapPixels);
     page.provenance = run.Provenance();
     formats::WriteFileAtomically(output, formats::CertificateHtml(page));
+    const std::vector<formats::VectorLayer> layers = formats::SiteVectorLayers(page.certificate, page.trajectories);
+    const formats::RasterLabel label{.frame = page.certificate.frame, .tied = page.certificate.tied};
+    if (!geopackage.empty()) formats::WriteGeoPackage(geopackage, layers, label, run.Provenance());
+    if (!dxf.empty()) formats::WriteDxf(dxf, layers);
   });
 }

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 
+#include "formats/accuracy_classes_file.h"
 #include "formats/atomic_file.h"
 #include "formats/html.h"
 #include "survey/accuracy/certify.h"
@@ -69,7 +70,10 @@ survey::CertifyInput Site(bool tied) {
 }
 
 formats::CertificatePage Page(bool tied) {
-  formats::CertificatePage page{.certificate = survey::Certify(Site(tied))};
+  formats::CertificatePage page;
+  survey::CertifyInput input = Site(tied);
+  input.classes = formats::StandardAccuracyClasses(input.class_m);
+  page.certificate = survey::Certify(input);
   const formats::ProvenanceRecord ingest{
       .stage = "ingest", .version = "0.1.0", .inputs = {{"raw field.log", std::string(64, 'a'), false, ""}}};
   const formats::ProvenanceRecord adjust{.stage = "adjust",
@@ -99,6 +103,10 @@ TEST(CertificateHtmlTest, SaysWhatTheCertificateSays) {
   EXPECT_TRUE(Has(html, "<h1>Accuracy certificate</h1>"));
   EXPECT_TRUE(Has(html, "using ONLY 9 checkpoints"));
   EXPECT_TRUE(Has(html, "not an accuracy"));
+  for (const std::string section : {"Classes of standards", "Appendices", "Behaviour of the errors", "Q&ndash;Q plot",
+                                    "OGL2", "1.7308 RMSE", "Shapiro&ndash;Wilk", "<ellipse"}) {
+    EXPECT_TRUE(Has(html, section)) << section;
+  }
   EXPECT_TRUE(Has(html, "NOT TIED TO CONTROL: block B3"));
   EXPECT_TRUE(Has(html, "Reliability of the control"));
   EXPECT_TRUE(Has(html, "No mark was left out"));

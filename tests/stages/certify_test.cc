@@ -224,6 +224,58 @@ TEST_F(CertifyStageTest, TheSameInputsGiveTheSameBytes) {
   EXPECT_EQ(Bytes("page.html"), page);
 }
 
+TEST_F(CertifyStageTest, ReportWritesLayersForGisAndCad) {
+  ASSERT_EQ(Run({"--accuracy-class-m", "0.05"}).status, 0);
+  const auto report = [&] {
+    return test_support::RunCommand(
+        {"plumbline-report", "--certificate", "out/certificate.json", "--solution", "B1=B1.sqlite", "--geopackage",
+         "site.gpkg", "--dxf", "site.dxf", "--output", "page.html"},
+        scratch_.path().string());
+  };
+  const CommandResult first = report();
+  ASSERT_EQ(first.status, 0) << first.err;
+  const auto info = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "ogrinfo");
+    const CommandResult result = test_support::RunCommand(arguments, scratch_.path().string());
+    EXPECT_EQ(result.err, "");
+    return result.out;
+  };
+  const std::string layers = info({"-al", "-so", "site.gpkg"});
+  for (const std::string layer : {"trajectories", "ellipses", "residual_vectors", "seams", "control", "checks"}) {
+    EXPECT_NE(layers.find("Layer name: " + layer + "\n"), std::string::npos) << layers;
+  }
+  // P3 lies at (30, 5) and was found 10 mm east; 8 vectors are drawn a round number of times too large.
+  const std::string vectors = info({"-al", "-where", "name='P3'", "site.gpkg", "residual_vectors"});
+  EXPECT_NE(vectors.find("evidence (String) = tested"), std::string::npos) << vectors;
+  EXPECT_NE(vectors.find("de_mm (Real) = 10"), std::string::npos) << vectors;
+  EXPECT_NE(vectors.find("enlargement (Real) = 200"), std::string::npos) << vectors;  // 5 % of 70 m over 10 mm: 350
+  EXPECT_NE(vectors.find("LINESTRING (30 5,32"), std::string::npos) << vectors;
+  EXPECT_NE(info({"-al", "site.gpkg", "layer_styles"}).find("useAsDefault (Integer(Boolean)) = 1"), std::string::npos);
+  EXPECT_NE(info({"site.gpkg"}).find("PLUMBLINE_PROVENANCE"), std::string::npos);
+  const std::string drawing = info({"-al", "-where", "Layer='control'", "site.dxf"});
+  EXPECT_NE(drawing.find("Feature Count: 16"), std::string::npos) << drawing;  // eight points, eight names
+  const std::string geopackage = Bytes("site.gpkg"), dxf = Bytes("site.dxf");
+  std::filesystem::remove(scratch_ / "site.gpkg");
+  ASSERT_EQ(report().status, 0);
+  EXPECT_EQ(Bytes("site.gpkg"), geopackage);
+  EXPECT_EQ(Bytes("site.dxf"), dxf);
+}
+
+TEST_F(CertifyStageTest, PrintsThePageOrSaysWhyNot) {
+  formats::WriteFileAtomically(scratch_ / "page.html", "<html lang=\"en\"><head><title>t</title></head>x</html>");
+  const auto print = [&](const std::string& pdf) {
+    return test_support::RunCommand({"plumbline-print", "--page", "page.html", "--output", pdf},
+                                    scratch_.path().string());
+  };
+  const CommandResult first = print("a.pdf");
+  if (first.status == 1 && first.err.find("WeasyPrint is not installed") != std::string::npos) GTEST_SKIP();
+  ASSERT_EQ(first.status, 0) << first.err;
+  EXPECT_TRUE(Bytes("a.pdf").starts_with("%PDF-"));
+  EXPECT_NE(Bytes("a.pdf").find("pdfaid"), std::string::npos);
+  ASSERT_EQ(print("b.pdf").status, 0);
+  EXPECT_EQ(Bytes("a.pdf"), Bytes("b.pdf"));
+}
+
 TEST_F(CertifyStageTest, ReportRefusesACutCertificate) {
   ASSERT_EQ(Run().status, 0);
   formats::WriteFileAtomically(scratch_ / "cut.json", Bytes("out/certificate.json").substr(0, 700));

@@ -22,7 +22,7 @@ std::string Quoted(const std::string& word) {
 
 CommandResult RunCommand(const std::vector<std::string>& command, const std::string& working_folder) {
   const ScratchFolder scratch;
-  std::string line = "cd " + Quoted(working_folder) + " && PATH=" + Quoted(BinFolder()) + ":\"$PATH\"";
+  std::string line = "cd " + Quoted(working_folder) + " && WEASYPRINT= PATH=" + Quoted(BinFolder()) + ":\"$PATH\"";
   for (const std::string& word : command) line += " " + Quoted(word);
   line += " >" + Quoted(scratch / "out") + " 2>" + Quoted(scratch / "err") + " </dev/null";
   const int status = std::system(line.c_str());

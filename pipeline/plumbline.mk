@@ -91,6 +91,7 @@ accuracy-classes := $(wildcard accuracy-classes.toml)
 edits := $(sort $(wildcard edits/*.geojson))
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
+answers = $(sort $(wildcard blocks/$(1)/answers/*.json))
 marked-blocks := $(strip $(foreach b,$(blocks),$(if $(call marks,$(b)),$(b))))
 # A block is tied when there is control and a list of its marks.
 control-of = $(if $(points),$(if $(call marks,$(1)),work/$(1)/control.sqlite))
@@ -102,13 +103,14 @@ of-blocks = $(foreach b,$(1),work/$(b)/$(2))
 define block
 $(call stage,ingest,$(1),$(call source,$(call raw,$(1)) $(call marks,$(1))),work/$(1)/session.sqlite,\
   --raw $(call raw,$(1)) $(addprefix --marks ,$(call marks,$(1))) --output work/$(1)/session.sqlite)
-$(call stage,track,$(1),work/$(1)/session.sqlite,work/$(1)/track.sqlite,\
-  --session work/$(1)/session.sqlite --output work/$(1)/track.sqlite)
+$(call stage,track,$(1),work/$(1)/session.sqlite $(call source,$(call answers,$(1))),work/$(1)/track.sqlite,\
+  --session work/$(1)/session.sqlite $(addprefix --answers ,$(call answers,$(1))) --output work/$(1)/track.sqlite)
 $(call stage,loops,$(1),work/$(1)/session.sqlite work/$(1)/track.sqlite,work/$(1)/loops.sqlite,\
   --session work/$(1)/session.sqlite --track work/$(1)/track.sqlite --output work/$(1)/loops.sqlite)
-$(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call control-of,$(1)),work/$(1)/solution.sqlite,\
+$(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call control-of,$(1))\
+  $(call source,$(call answers,$(1))),work/$(1)/solution.sqlite,\
   --track work/$(1)/track.sqlite --loops work/$(1)/loops.sqlite $(addprefix --control ,$(call control-of,$(1)))\
-  --output work/$(1)/solution.sqlite)
+  $(addprefix --answers ,$(call answers,$(1))) --output work/$(1)/solution.sqlite)
 $(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$(1)/grid.tif,\
   --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --output work/$(1)/grid.tif)
 $(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(edits)),work/$(1)/map.tif,\

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <numbers>
 
+#include "formats/answers_file.h"
 #include "formats/artefacts.h"
+#include "formats/digest.h"
 #include "pipeline/stage.h"
 #include "survey/particles/filtered_track.h"
 #include "survey/particles/particle_filter.h"
@@ -76,17 +78,21 @@ void DeclareFilter(pipeline::Stage* stage, survey::ParticleFilterOptions* option
                 "what matched motion gets wrong: m per square root of m", {.min = 1e-5, .max = 1.0});
   stage->Option("motion-sigma-rad", &options->matched_sigma_rad_per_rtm, "... and rad per square root of m",
                 {.min = 1e-6, .max = 1.0});
+  stage->Option("weight-tempering", &options->proposal.tempering, "exponent of the particles' weights",
+                {.min = 1e-3, .max = 1.0});
   stage->Option("resampling-share", &options->resampling_share,
                 "particles are resampled when their effective number is below this share", {.min = 0.0, .max = 1.0});
 }
 
 // [AS]: the filter's poses along its best trajectory.
-survey::Track Filter(const survey::Session& session, const survey::Track& local, const survey::TrackOptions& tracking,
-                     const survey::ParticleFilterOptions& options, const pipeline::StageRun& run) {
-  const auto updates = static_cast<std::int64_t>(survey::ScansForUpdates(local, options).size());
+survey::Track Filter(const survey::Session& session, const survey::Track& local, const survey::Answers& answers,
+                     const survey::TrackOptions& tracking, const survey::ParticleFilterOptions& options,
+                     const pipeline::StageRun& run) {
+  const auto updates = static_cast<std::int64_t>(survey::ScansForUpdates(local, answers, options).size());
   pipeline::Progress progress = run.Track("updates", updates);
-  const survey::TrajectoryTree tree = survey::RunParticleFilter(
-      session, local, tracking, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
+  const survey::TrajectoryTree tree =
+      survey::RunParticleFilter(session, local, answers, tracking, options,
+                                [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
   survey::Track track = survey::FollowBestTrajectory(session, local, tree);
   survey::AddFilterRequests(tree, &track);
   return track;
@@ -115,6 +121,9 @@ int main(int argc, char** argv) {
   std::string engine = "scan-matching";
   std::string matcher = "surfaces";
   stage.Input("session", &session_file, "session of the block");
+  std::vector<std::filesystem::path> answer_files;
+  stage.Inputs("answers", &answer_files, "a person's answers about the block's scans, JSON; for the particle filter",
+               false, pipeline::Content::kParsed);
   stage.Output("output", &output, "track.sqlite to write");
   stage.Option("engine", &engine, "scan-matching [CN], or particle-filter [AS] on top of it",
                {"scan-matching", "particle-filter"});
@@ -134,7 +143,12 @@ int main(int argc, char** argv) {
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(session.scans.size()));
     survey::Track track = survey::TrackBlock(
         session, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
-    if (engine == "particle-filter") track = Filter(session, track, options, filter, run);
+    if (engine == "particle-filter") {
+      const survey::Answers answers =
+          formats::ReadAnswers(answer_files, survey::ClockStamps(survey::StampsOfScans(session)));
+      if (!answers.empty()) run.AddInput({"answers", formats::Sha256(formats::CanonicalText(answers))});
+      track = Filter(session, track, answers, options, filter, run);
+    }
     formats::WriteTrack(output, track, survey::StampsOfScans(session), run.Provenance());
     for (const survey::TrackBreak& gap : survey::BreaksOf(track))
       run.Warn("the track may be broken at scan " + std::to_string(gap.scan.value) + ": " + gap.message);

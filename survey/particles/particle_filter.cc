@@ -3,7 +3,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "survey/particles/weights.h"
 #include "survey/sensors/scan_points.h"
@@ -13,7 +15,7 @@
 namespace survey {
 namespace {
 
-enum class Purpose : std::uint32_t { kProposal = 0x70660001U, kResampling };
+enum class Purpose : std::uint32_t { kProposal = 0x70660001U, kResampling, kAnswer };
 
 struct Particle {
   Pose2 pose;
@@ -29,9 +31,11 @@ struct Motion {
 
 class Filter {
  public:
-  Filter(const Session& session, const Track& track, const TrackOptions& tracking, const ParticleFilterOptions& options)
+  Filter(const Session& session, const Track& track, const Answers& answers, const TrackOptions& tracking,
+         const ParticleFilterOptions& options)
       : session_(session),
         track_(track),
+        answers_(answers),
         tracking_(tracking),
         options_(options),
         projector_(session.geometries, tracking.max_range_m, 0.0),
@@ -40,11 +44,14 @@ class Filter {
                                     SurfaceMap(tracking.map.coarse_surface_cell_size_m)}}),
         log_weights_(particles_.size(), -std::log(static_cast<double>(options.particles))) {}
 
-  void Update(ScanId scan) {
+  // `answer` may be null.
+  void Update(ScanId scan, const Answer* answer) {
     Prepare(scan);
     FilterUpdate update{.scan = scan};
     if (tree_.empty()) {
       Begin(scan);
+    } else if (answer != nullptr && answer->MovesParticles()) {
+      SeedAround(*answer);
     } else {
       Propagate(scan);
     }
@@ -60,6 +67,19 @@ class Filter {
     }
     update.log_weights = log_weights_;
     tree_.push_back(std::move(update));
+  }
+
+  // An update that was computed before: the same maps without the matching.
+  void Replay(const FilterUpdate& update) {
+    Prepare(update.scan);
+    if (update.resampled) CopyParticles(update.parents);
+    for (std::size_t i = 0; i < particles_.size(); ++i) {
+      particles_[i].pose = update.poses[i];
+      particles_[i].evidence = update.evidence[i];
+    }
+    log_weights_ = update.log_weights;
+    Draw();
+    tree_.push_back(update);
   }
 
   TrajectoryTree Finish() { return std::move(tree_); }
@@ -81,6 +101,13 @@ class Filter {
     for (Particle& particle : particles_) particle.pose = Tracked(static_cast<std::size_t>(scan.value));
   }
 
+  bool Rejected(std::size_t i) const {
+    const ScanId scan{static_cast<int>(i)};
+    return std::any_of(answers_.begin(), answers_.end(), [&](const Answer& answer) {
+      return answer.decision == Decision::kRejectStretch && answer.scan <= scan && scan <= answer.end;
+    });
+  }
+
   Motion MotionTo(ScanId scan) const {
     const auto first = static_cast<std::size_t>(tree_.back().scan.value);
     const auto last = static_cast<std::size_t>(scan.value);
@@ -90,29 +117,53 @@ class Filter {
     for (std::size_t i = first + 1; i <= last; ++i) {
       const Pose2 step = Between(Tracked(i - 1), Tracked(i));
       const double way = step.Translation().norm() + std::abs(step.theta);
-      const bool matched = track_.scans[i].matched;
+      const bool matched = track_.scans[i].matched && !Rejected(i);
       variance_m += way * square(matched ? options_.matched_sigma_m_per_rtm : options_.unmatched_sigma_m_per_rtm);
       variance_rad += way * square(matched ? options_.matched_sigma_rad_per_rtm : options_.unmatched_sigma_rad_per_rtm);
     }
     return {Between(Tracked(first), Tracked(last)), Eigen::Vector3d(variance_m, variance_m, variance_rad).asDiagonal()};
   }
 
+  // Augmented resampling, [AS] eq. (4)-(5): every particle is moved to the answered pose in its own map (the reference
+  // scan stands elsewhere in each), blurred by the answer's sigmas, matched and weighted.
+  void SeedAround(const Answer& answer) {
+    const std::size_t reference = UpdateAt(answer.reference);
+    tbb::parallel_for(std::size_t{0}, particles_.size(), [&](std::size_t i) {
+      const Pose2 map_from_reference = PoseOfAncestor(tree_, i, reference);
+      const Pose2 answered = map_from_reference * answer.reference_from_scan;
+      const Eigen::Matrix3d covariance =
+          RotatedCovariance(answer.sigma.cwiseAbs2().asDiagonal(), map_from_reference.theta);
+      const Pose2 start = SamplePose(answered, covariance, Normals(Purpose::kAnswer, answer.scan, i));
+      Move(i, answer.scan, ProposePose(particles_[i].map, surfaces_, start, answered, covariance, options_.proposal));
+    });
+  }
+
+  std::size_t UpdateAt(ScanId scan) const {
+    const auto found = std::lower_bound(tree_.begin(), tree_.end(), scan,
+                                        [](const FilterUpdate& update, ScanId id) { return update.scan < id; });
+    return static_cast<std::size_t>(found - tree_.begin());
+  }
+
+  void Move(std::size_t i, ScanId scan, const Proposal& proposal) {
+    particles_[i].pose = SamplePose(proposal.mean, proposal.covariance, Normals(Purpose::kProposal, scan, i));
+    particles_[i].evidence += proposal.log_weight;
+    log_weights_[i] += proposal.log_weight;
+  }
+
   // Pose propagation, scan matching and importance weighting of [AS] section III.
   void Propagate(ScanId scan) {
     const Motion motion = MotionTo(scan);
     tbb::parallel_for(std::size_t{0}, particles_.size(), [&](std::size_t i) {
-      Particle& particle = particles_[i];
-      const Proposal proposal =
-          ProposePose(particle.map, surfaces_, particle.pose * motion.motion,
-                      RotatedCovariance(motion.covariance, particle.pose.theta), options_.proposal);
-      particle.pose = SamplePose(proposal.mean, proposal.covariance, Normals(scan, i));
-      particle.evidence += proposal.log_weight;
-      log_weights_[i] += proposal.log_weight;
+      const Particle& particle = particles_[i];
+      const Pose2 predicted = particle.pose * motion.motion;
+      Move(i, scan,
+           ProposePose(particle.map, surfaces_, predicted, predicted,
+                       RotatedCovariance(motion.covariance, particle.pose.theta), options_.proposal));
     });
   }
 
-  Eigen::Vector3d Normals(ScanId scan, std::size_t particle) const {
-    const RandomStream stream(static_cast<std::uint64_t>(options_.seed), static_cast<std::uint32_t>(Purpose::kProposal),
+  Eigen::Vector3d Normals(Purpose purpose, ScanId scan, std::size_t particle) const {
+    const RandomStream stream(static_cast<std::uint64_t>(options_.seed), static_cast<std::uint32_t>(purpose),
                               static_cast<std::uint32_t>(particle));
     const std::uint64_t index = 2 * static_cast<std::uint64_t>(scan.value);
     const auto [a, b] = stream.Normals(index);
@@ -124,12 +175,16 @@ class Filter {
                               static_cast<std::uint32_t>(Purpose::kResampling), 0);
     std::vector<int> parents =
         SystematicResampling(log_weights_, stream.Uniform(static_cast<std::uint64_t>(scan.value)));
+    CopyParticles(parents);
+    std::fill(log_weights_.begin(), log_weights_.end(), -std::log(static_cast<double>(options_.particles)));
+    return parents;
+  }
+
+  void CopyParticles(const std::vector<int>& parents) {
     std::vector<Particle> chosen;
     chosen.reserve(particles_.size());
     for (const int parent : parents) chosen.push_back(particles_[static_cast<std::size_t>(parent)]);
     particles_ = std::move(chosen);
-    std::fill(log_weights_.begin(), log_weights_.end(), -std::log(static_cast<double>(options_.particles)));
-    return parents;
   }
 
   std::vector<int> Unchanged() const {
@@ -159,6 +214,7 @@ class Filter {
 
   const Session& session_;
   const Track& track_;
+  const Answers& answers_;
   const TrackOptions& tracking_;
   const ParticleFilterOptions& options_;
   ScanProjector projector_;
@@ -171,8 +227,14 @@ class Filter {
 
 }  // namespace
 
-std::vector<ScanId> ScansForUpdates(const Track& track, const ParticleFilterOptions& options) {
+std::vector<ScanId> ScansForUpdates(const Track& track, const Answers& answers, const ParticleFilterOptions& options) {
   constexpr double kSooner = 0.2;
+  std::vector<bool> answered(track.scans.size(), false);
+  for (const Answer& answer : answers) {
+    if (!answer.MovesParticles()) continue;
+    answered[static_cast<std::size_t>(answer.scan.value)] = true;
+    answered[static_cast<std::size_t>(answer.reference.value)] = true;
+  }
   std::vector<ScanId> scans;
   double usual_score = 0.5;
   Pose2 last;
@@ -182,23 +244,51 @@ std::vector<ScanId> ScansForUpdates(const Track& track, const ParticleFilterOpti
                                  std::abs(motion.theta) / options.update_angle_rad);
     const bool poor = scan.matched && static_cast<double>(scan.score) < options.poor_score_ratio * usual_score;
     if (scan.matched) usual_score += 0.02 * (static_cast<double>(scan.score) - usual_score);
-    if (!scans.empty() && part < (poor ? kSooner : 1.0)) continue;
+    const bool due = part >= (poor ? kSooner : 1.0) || answered[static_cast<std::size_t>(scan.scan.value)];
+    if (!scans.empty() && !due) continue;
     scans.push_back(scan.scan);
     last = scan.local_from_scan;
   }
   return scans;
 }
 
-TrajectoryTree RunParticleFilter(const Session& session, const Track& track, const TrackOptions& tracking,
-                                 const ParticleFilterOptions& options,
-                                 const std::function<void(std::size_t)>& progress) {
-  Filter filter(session, track, tracking, options);
+TrajectoryTree RunParticleFilter(const Session& session, const Track& track, const Answers& answers,
+                                 const TrackOptions& tracking, const ParticleFilterOptions& options,
+                                 const std::function<void(std::size_t)>& progress, const TrajectoryTree& known) {
+  Filter filter(session, track, answers, tracking, options);
   std::size_t done = 0;
-  for (const ScanId scan : ScansForUpdates(track, options)) {
-    filter.Update(scan);
-    if (progress) progress(++done);
+  auto answer = answers.begin();
+  for (const ScanId scan : ScansForUpdates(track, answers, options)) {
+    while (answer != answers.end() && answer->scan < scan) ++answer;
+    if (done < known.size()) {
+      filter.Replay(known[done]);
+    } else {
+      filter.Update(scan, answer != answers.end() && answer->scan == scan ? &*answer : nullptr);
+    }
+    ++done;
+    if (progress) progress(done);
   }
   return filter.Finish();
+}
+
+ScanId FirstScanThatDiffers(const Answers& before, const Answers& after) {
+  ScanId first{std::numeric_limits<int>::max()};
+  const auto missing_in = [&first](const Answers& answers, const Answers& others) {
+    for (const Answer& answer : answers) {
+      const bool same =
+          std::any_of(others.begin(), others.end(), [&](const Answer& other) { return SameMeaning(answer, other); });
+      if (!same) first = std::min({first, answer.scan, answer.HasPose() ? answer.reference : answer.scan});
+    }
+  };
+  missing_in(before, after);
+  missing_in(after, before);
+  return first;
+}
+
+TrajectoryTree UpdatesBefore(const TrajectoryTree& tree, ScanId scan) {
+  const auto end =
+      std::find_if(tree.begin(), tree.end(), [scan](const FilterUpdate& update) { return !(update.scan < scan); });
+  return {tree.begin(), end};
 }
 
 }  // namespace survey

@@ -3,7 +3,8 @@
 // Rao-Blackwellized particle filter of one block, [AS] section III, [Grisetti07]. The track of the scan matcher, which
 // looks at every scan, tells the motion from update to update; at an update each particle moves by it, matches the scan
 // in its own map, is sampled around the match and weighted; where the effective sample size drops, the particles are
-// resampled; then each draws the scan in its map. Deterministic: random numbers are functions of seed, scan and
+// resampled; then each draws the scan in its map. Where a person has given the pose of a scan, the particles are seeded
+// around it, [AS] section IV-A. Deterministic: random numbers are functions of seed, scan and
 // particle.
 #pragma once
 
@@ -13,6 +14,7 @@
 
 #include "survey/particles/proposal.h"
 #include "survey/particles/trajectory_tree.h"
+#include "survey/submaps/answer.h"
 #include "survey/submaps/tracker.h"
 
 namespace survey {
@@ -26,19 +28,27 @@ struct ParticleFilterOptions {
   double poor_score_ratio = 0.75;  // and after a fifth of either where scans fit the map worse than this share of usual
   double resampling_share = 0.5;   // resampled when the effective sample size is below this share of the particles
   // Noise of the motion between updates: where scans were matched, and where they were not.
-  double matched_sigma_m_per_rtm = 0.01;
+  double matched_sigma_m_per_rtm = 0.015;
   double matched_sigma_rad_per_rtm = 0.004;
   double unmatched_sigma_m_per_rtm = 0.10;
   double unmatched_sigma_rad_per_rtm = 0.05;
 };
 
-// Scans at which the filter is updated, ascending, the first scan being the first.
-std::vector<ScanId> ScansForUpdates(const Track& track, const ParticleFilterOptions& options);
+// Scans at which the filter is updated, ascending, the first scan being the first; with those of which answers speak.
+std::vector<ScanId> ScansForUpdates(const Track& track, const Answers& answers, const ParticleFilterOptions& options);
+
+// First scan at which two sets of answers make the filter do something else.
+ScanId FirstScanThatDiffers(const Answers& before, const Answers& after);
+
+// The updates of a tree that are valid still when the filter does something else from `scan` on.
+TrajectoryTree UpdatesBefore(const TrajectoryTree& tree, ScanId scan);
 
 // `track` of the scan matcher; `tracking` are the options it was made with. `progress` is called with the number of
-// updates done.
-TrajectoryTree RunParticleFilter(const Session& session, const Track& track, const TrackOptions& tracking,
-                                 const ParticleFilterOptions& options,
-                                 const std::function<void(std::size_t)>& progress = {});
+// updates done. `known`: first updates of an earlier run with the same inputs and the same answers up to there; they
+// are drawn again, not computed, and the result is the same, bit for bit.
+TrajectoryTree RunParticleFilter(const Session& session, const Track& track, const Answers& answers,
+                                 const TrackOptions& tracking, const ParticleFilterOptions& options,
+                                 const std::function<void(std::size_t)>& progress = {},
+                                 const TrajectoryTree& known = {});
 
 }  // namespace survey

@@ -27,11 +27,12 @@ double ScanLogLikelihood(const SurfaceMap& map, std::span<const SurfacePoint> po
   return -0.5 * options.match.independent_share * sum / (options.sigma_m * options.sigma_m);
 }
 
-Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> points_in_scan, const Pose2& predicted,
-                     const Eigen::Matrix3d& prediction_covariance, const ProposalOptions& options) {
+Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> points_in_scan, const Pose2& start,
+                     const Pose2& predicted, const Eigen::Matrix3d& prediction_covariance,
+                     const ProposalOptions& options) {
   Proposal proposal{.mean = predicted, .covariance = prediction_covariance};
-  const MatchResult match = MatchToSurfaces(&map.coarse, map.fine, points_in_scan, predicted, predicted,
-                                            prediction_covariance, options.match);
+  const MatchResult match =
+      MatchToSurfaces(&map.coarse, map.fine, points_in_scan, start, predicted, prediction_covariance, options.match);
   proposal.score = match.score;
   proposal.matched = match.usable && match.score >= options.min_score;
   if (proposal.matched) {
@@ -43,6 +44,7 @@ Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> point
                           0.5 * std::log(match.covariance.determinant() / prediction_covariance.determinant());
   }
   proposal.log_weight += ScanLogLikelihood(map.fine, points_in_scan, proposal.mean, options);
+  proposal.log_weight *= options.tempering;
   return proposal;
 }
 

@@ -25,11 +25,10 @@ struct ParticleMap {
 };
 
 struct ProposalOptions {
-  // Its independent_share also tempers the weights: beams err alike, and the more so the denser they are. It does not
-  // depend on the number of particles.
   SurfaceMatchOptions match;
-  double sigma_m = 0.05;       // of an end point against the surface that it belongs to, with the error of the map
-  double loss_m = 0.1;         // Cauchy
+  double tempering = 0.3;  // exponent of the weights: scans err alike, so do their beams; for any number of particles
+  double sigma_m = 0.05;   // of an end point against the surface that it belongs to, with the error of the map
+  double loss_m = 0.1;     // Cauchy
   double unexplained_m = 0.3;  // end points without a surface near count as if they were so far off
   double min_score = 0.2;      // share of points on surfaces below which a match is not believed
 };
@@ -42,8 +41,10 @@ struct Proposal {
   bool matched = false;     // false: the motion model alone
 };
 
-Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> points_in_scan, const Pose2& predicted,
-                     const Eigen::Matrix3d& prediction_covariance, const ProposalOptions& options);
+// The match starts at `start`.
+Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> points_in_scan, const Pose2& start,
+                     const Pose2& predicted, const Eigen::Matrix3d& prediction_covariance,
+                     const ProposalOptions& options);
 
 // Logarithm of the tempered likelihood of a scan at a pose.
 double ScanLogLikelihood(const SurfaceMap& map, std::span<const SurfacePoint> points_in_scan,

@@ -5,6 +5,11 @@
 
 namespace survey {
 
+Pose2 PoseOfAncestor(const TrajectoryTree& tree, std::size_t particle, std::size_t update) {
+  for (std::size_t k = tree.size() - 1; k > update; --k) particle = static_cast<std::size_t>(tree[k].parents[particle]);
+  return tree[update].poses[particle];
+}
+
 std::vector<Pose2> BestTrajectory(const TrajectoryTree& tree) {
   std::vector<Pose2> poses(tree.size());
   if (tree.empty()) return poses;

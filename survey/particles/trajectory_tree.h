@@ -25,6 +25,9 @@ struct FilterUpdate {
 
 using TrajectoryTree = std::vector<FilterUpdate>;
 
+// Pose of a particle of the last update at an earlier one.
+Pose2 PoseOfAncestor(const TrajectoryTree& tree, std::size_t particle, std::size_t update);
+
 // The particle whose whole trajectory explains the scans best, at each update.
 std::vector<Pose2> BestTrajectory(const TrajectoryTree& tree);
 

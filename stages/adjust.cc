@@ -3,7 +3,9 @@
 // plumbline-adjust: the back end. Ties a block to its control points; without control it stays in its local frame.
 #include <cstdio>
 
+#include "formats/answers_file.h"
 #include "formats/artefacts.h"
+#include "formats/digest.h"
 #include "pipeline/stage.h"
 #include "survey/graph/block_adjustment.h"
 
@@ -27,6 +29,13 @@ std::string Summary(const survey::Solution& solution) {
   return text + residuals;
 }
 
+std::string Conflict(const survey::AnswerTest& answer) {
+  char text[120];
+  std::snprintf(text, sizeof text, ": in conflict with the other observations (chi-square %.1f, limit 14.2)",
+                answer.chi_square);
+  return "answer " + answer.name + text;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -42,6 +51,9 @@ int main(int argc, char** argv) {
   stage.Input("track", &track_file, "track of the block");
   stage.Input("loops", &loops_file, "its loops");
   stage.OptionalInput("control", &control_file, "its extract of the control points; without: local frame");
+  std::vector<std::filesystem::path> answer_files;
+  stage.Inputs("answers", &answer_files, "a person's answers about the block's scans, JSON", false,
+               pipeline::Content::kParsed);
   stage.Output("output", &output, "solution.sqlite to write");
   stage.Option("loop-robust-sigmas", &options.tie.solver.robust_scale, "beyond this a loop loses weight", {.min = 0.1});
   stage.Option("allow-single-point", &options.allow_single_point,
@@ -54,11 +66,16 @@ int main(int argc, char** argv) {
     const survey::ControlNetwork control =
         control_file.empty() ? survey::ControlNetwork{} : formats::ReadControl(control_file);
     const std::vector<survey::ScanStamp> stamps = formats::ReadScanStamps(track_file);
+    const survey::Answers answers = formats::ReadAnswers(answer_files, survey::ClockStamps(stamps));
+    if (!answers.empty()) run.AddInput({"answers", formats::Sha256(formats::CanonicalText(answers))});
     const survey::BlockAdjustment adjustment =
-        survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options);
+        survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options, answers);
     if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
     for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
+    for (const survey::AnswerTest& answer : adjustment.answers) {
+      if (answer.in_conflict) run.Warn(Conflict(answer));
+    }
     run.Message(Summary(adjustment.solution));
   });
 }

@@ -154,7 +154,7 @@ BlockAdjustment Failed(std::string message) { return {.usable = false, .message 
 // The relative observations by kind, and control.
 std::vector<VarianceComponent> Components(const PoseGraph& graph, const GraphCovariance& covariance,
                                           const VarianceComponent& control) {
-  std::vector<VarianceComponent> components = {{.kind = "scan match"}, {.kind = "motion"}, {.kind = "loop"}};
+  std::vector<VarianceComponent> components = {{.kind = "scan match"}, {.kind = "motion"}, {.kind = "loop"}, {.kind = "answer"}};
   for (const PoseEdge& edge : graph.edges) {
     VarianceComponent& component = components[static_cast<std::size_t>(edge.kind)];
     ++component.count;
@@ -171,9 +171,12 @@ AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary&
   AdjustmentStatistics statistics;
   statistics.num_nodes = static_cast<int>(block.nodes.size());
   statistics.num_submaps = static_cast<int>(block.num_submaps);
-  statistics.num_loops = static_cast<int>(std::count_if(block.graph.edges.begin(), block.graph.edges.end(),
-                                                        [](const auto& edge) { return edge.kind == EdgeKind::kLoop; }));
-  statistics.num_track_constraints = static_cast<int>(block.graph.edges.size()) - statistics.num_loops;
+  const auto count = [&](EdgeKind kind) {
+    return static_cast<int>(std::count_if(block.graph.edges.begin(), block.graph.edges.end(),
+                                          [kind](const PoseEdge& edge) { return edge.kind == kind; }));
+  };
+  statistics.num_loops = count(EdgeKind::kLoop);
+  statistics.num_track_constraints = count(EdgeKind::kScanMatch) + count(EdgeKind::kMotion);
   statistics.degrees_of_freedom = DegreesOfFreedom(block.graph);
   statistics.iterations = summary.iterations;
   statistics.initial_cost = summary.initial_cost;
@@ -186,12 +189,17 @@ AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary&
 }  // namespace
 
 BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const ControlNetwork& control,
-                            const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options) {
+                            const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options,
+                            const Answers& answers) {
   if (track.submaps.empty()) return Failed("the track has no submap");
   BlockGraph block = MakeBlockGraph(track, loops);
   const FreeSolution free = SolveFree(options.tie.solver, &block.graph);
   PoseGraphSummary summary = free.summary;
   if (!summary.usable) return Failed("the free adjustment did not converge: " + summary.message);
+  // Answers come with their own sigmas: the variance factor is not theirs.
+  const std::size_t first_answer = AddAnswers(track, answers, &block);
+  if (!answers.empty()) summary = Solve(&block.graph, options.tie.solver);
+  if (!summary.usable) return Failed("the adjustment with answers did not converge: " + summary.message);
 
   const std::vector<const ControlPoint*> points = MarkedControl(control, block);
   if (points.size() == 1 && !options.allow_single_point) {
@@ -233,6 +241,7 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
   solution.statistics = Statistics(block, summary);
   solution.statistics.num_control_marks = static_cast<int>(
       std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
+  result.answers = TestAnswers(answers, block, first_answer);
   result.usable = true;
   return result;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "survey/control/control_point.h"
+#include "survey/graph/answer_factors.h"
 #include "survey/graph/control_tie.h"
 #include "survey/graph/solution.h"
 #include "survey/submaps/track.h"
@@ -26,11 +27,13 @@ struct BlockAdjustment {
   bool usable = false;
   std::string message;  // why not
   Solution solution;
+  std::vector<AnswerTest> answers;  // those with a pose
 };
 
 // Loops that were not accepted are left out. `control` holds the block's points of role control and tie; marks on other
 // points are positions only. `stamps`: of all scans, in the track's order.
 BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const ControlNetwork& control,
-                            const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options);
+                            const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options,
+                            const Answers& answers = {});
 
 }  // namespace survey

@@ -15,7 +15,7 @@ namespace survey {
 
 // Kinds of relative observations: a node in the submap that it helped to draw; from node to node along the track; a
 // scan in a submap that is not its neighbour.
-enum class EdgeKind { kScanMatch, kMotion, kLoop };
+enum class EdgeKind { kScanMatch, kMotion, kLoop, kAnswer };
 
 // [CN] eq. (10): measured pose of `target` in the frame of `base`.
 struct PoseEdge {

@@ -77,7 +77,7 @@ struct ControlVerdict {
 // Variance component of a kind of observations [Foerstner79]: squared, weighted residuals by redundancy; 1 where the
 // a-priori sigmas are true.
 struct VarianceComponent {
-  std::string kind;  // "scan match", "motion", "loop", "control"
+  std::string kind;  // "scan match", "motion", "loop", "answer", "control"
   int count = 0;
   double redundancy = 0.0;
   double factor = 0.0;

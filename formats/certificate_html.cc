@@ -261,7 +261,7 @@ std::string SeamsText(const Certificate& c) {
   return "<h3>Walls of overlapping maps</h3>" + table.Text() +
          P("Sigmas: the mean offset over its standard deviation by the two adjustments. Contradiction: it, or more "
            "places "
-           "than chance allows, is beyond their covariance (0.1 %).",
+           "than clutter explains, is beyond their covariance (0.1 %).",
            "note");
 }
 

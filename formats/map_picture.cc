@@ -9,13 +9,17 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
+#include <span>
 #include <vector>
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
 #include "formats/raster_crs.h"
+#include "formats/raster_description.h"
 #include "formats/raster_file.h"
+#include "formats/scratch_raster.h"
 
 namespace formats {
 namespace {
@@ -40,34 +44,6 @@ std::uint8_t RosGrey(float log_odds) {
   const float probability = survey::ProbabilityFromLogOdds(log_odds);
   if (probability >= kOccupied) return 0;
   return probability <= kFree ? 254 : kUnknownGrey;
-}
-
-// Rows from the north.
-template <typename GreyOf>
-std::vector<std::uint8_t> ImageOf(const SiteRaster& raster, GreyOf grey_of) {
-  std::vector<std::uint8_t> image;
-  image.reserve(raster.log_odds.size());
-  for (int row = raster.height - 1; row >= 0; --row) {
-    for (int column = 0; column < raster.width; ++column) image.push_back(grey_of(raster.At(column, row)));
-  }
-  return image;
-}
-
-void WritePng(const fs::path& file, std::vector<std::uint8_t> image, int width, int height) {
-  AtomicFile output(file);
-  const GdalSession session;
-  GDALDriverManager* drivers = GetGDALDriverManager();
-  const GDALDatasetUniquePtr memory(drivers->GetDriverByName("MEM")->Create("", width, height, 1, GDT_Byte, nullptr));
-  if (!memory || memory->GetRasterBand(1)->RasterIO(GF_Write, 0, 0, width, height, image.data(), width, height,
-                                                    GDT_Byte, 0, 0, nullptr) != CE_None)
-    session.Throw(file, "could not be composed in memory");
-  GDALDatasetUniquePtr data(drivers->GetDriverByName("PNG")->CreateCopy(output.temporary().c_str(), memory.get(), TRUE,
-                                                                        nullptr, nullptr, nullptr));
-  const bool created = data != nullptr;
-  data.reset();
-  if (!created) session.Throw(file, "could not be written (disk full?)");
-  session.ThrowIfFailed(file, "could not be written (disk full?)");
-  output.Commit();
 }
 
 std::string Fixed(double value) {
@@ -106,6 +82,18 @@ std::string AuxXmlOf(const RasterLabel& label) {
   return text;
 }
 
+void WritePgm(const fs::path& file, const survey::RasterStrips& strips) {
+  AtomicFile output(file);
+  std::ofstream pgm(output.temporary(), std::ios::binary);
+  pgm << "P5\n" << strips.frame.width << " " << strips.frame.height << "\n255\n";
+  ForEachStrip(strips, &RosGrey, [&](int, std::span<std::uint8_t> rows) {
+    pgm.write(reinterpret_cast<const char*>(rows.data()), static_cast<std::streamsize>(rows.size()));
+  });
+  pgm.close();
+  if (!pgm) throw DataError(file.string() + ": could not be written (disk full?)");
+  output.Commit();
+}
+
 std::string RosYaml(const SiteRaster& raster, const std::string& comment, double origin_x, double origin_y) {
   char numbers[160];
   std::snprintf(numbers, sizeof numbers, "resolution: %.10g\norigin: [%.4f, %.4f, 0.0]\n", raster.cell_size_m, origin_x,
@@ -116,18 +104,26 @@ std::string RosYaml(const SiteRaster& raster, const std::string& comment, double
 
 }  // namespace
 
-void WritePngMap(const fs::path& file, const SiteRaster& raster, const RasterLabel& label) {
-  if (raster.width <= 0 || raster.height <= 0) throw DataError(file.string() + ": the raster has no cells");
-  WritePng(file, ImageOf(raster, PictureGrey), raster.width, raster.height);
-  WriteFileAtomically(fs::path(file).replace_extension(".pgw"), WorldFileOf(raster));
+void WritePngMap(const fs::path& file, const survey::RasterStrips& strips, const RasterLabel& label) {
+  RequireCells(file, strips.frame);
+  {
+    const GdalSession session;
+    ScratchRaster scratch(file, strips.frame, session);
+    ForEachStrip(strips, &PictureGrey,
+                 [&](int first_row, std::span<std::uint8_t> rows) { scratch.Write(first_row, rows); });
+    scratch.CopyTo("PNG", nullptr);
+  }
+  WriteFileAtomically(fs::path(file).replace_extension(".pgw"), WorldFileOf(strips.frame));
   WriteFileAtomically(file.string() + ".aux.xml", AuxXmlOf(label));
 }
 
-void WriteRosMap(const fs::path& folder, const SiteRaster& raster, const RasterLabel& label) {
-  const std::vector<std::uint8_t> image = ImageOf(raster, RosGrey);
-  std::string pgm = "P5\n" + std::to_string(raster.width) + " " + std::to_string(raster.height) + "\n255\n";
-  pgm.append(image.begin(), image.end());
-  WriteFileAtomically(folder / "map.pgm", pgm);
+void WritePngMap(const fs::path& file, const SiteRaster& raster, const RasterLabel& label) {
+  WritePngMap(file, survey::StripsOf(raster), label);
+}
+
+void WriteRosMap(const fs::path& folder, const survey::RasterStrips& strips, const RasterLabel& label) {
+  const SiteRaster& raster = strips.frame;
+  WritePgm(folder / "map.pgm", strips);
   const double origin_x = static_cast<double>(raster.min_column) * raster.cell_size_m;
   const double origin_y = static_cast<double>(raster.min_row) * raster.cell_size_m;
   const std::string crs = "# " + CrsNameOfLabel(label) + "; x east, y north, metres\n";
@@ -141,6 +137,10 @@ void WriteRosMap(const fs::path& folder, const SiteRaster& raster, const RasterL
                 "# the picture of map.yaml, lower left corner at 0 0: site = local + (%.4f, %.4f)\n", origin_x,
                 origin_y);
   WriteFileAtomically(folder / "map_local.yaml", RosYaml(raster, crs + offset, 0, 0));
+}
+
+void WriteRosMap(const fs::path& folder, const SiteRaster& raster, const RasterLabel& label) {
+  WriteRosMap(folder, survey::StripsOf(raster), label);
 }
 
 }  // namespace formats

@@ -3,7 +3,6 @@
 
 #include <cpl_string.h>
 #include <gdal_priv.h>
-#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +15,7 @@
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
 #include "formats/raster_crs.h"
+#include "formats/raster_description.h"
 #include "formats/raster_digest.h"
 
 namespace formats {
@@ -24,20 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 using survey::SiteRaster;
 
-constexpr const char* kProvenanceItem = "PLUMBLINE_PROVENANCE";
-constexpr const char* kTiedItem = "PLUMBLINE_TIED";
-constexpr const char* kCrsItem = "PLUMBLINE_CRS";
-constexpr const char* kContentItem = "PLUMBLINE_CONTENT";
 constexpr const char* kLogOdds = "occupancy log-odds";
-constexpr const char* kPercent = "occupancy in percent";
-constexpr std::uint8_t kUnknownPercent = 255;
-constexpr int kCogTile = 512;
-constexpr const char* kSigmaName = "positional uncertainty, 1 sigma in the worst direction";
-constexpr double kSigmaStep_m = 0.002;  // of the bytes of site.tif; 254: 0.508 m or more
-
-void RequireCells(const fs::path& file, const SiteRaster& raster) {
-  if (raster.width <= 0 || raster.height <= 0) throw DataError(file.string() + ": the raster has no cells");
-}
+constexpr int kStripRows = 256;  // one row of tiles
 
 // All rows of the bands in the order of the file: from the north, one band after the other.
 void AddCells(const SiteRaster& raster, RasterDigest* digest) {
@@ -54,32 +42,6 @@ void DescribeBand(GDALRasterBand* band, const char* name, const char* unit) {
   band->SetUnitType(unit);
 }
 
-// x and y of the outer corner of the upper left cell, as GDAL counts.
-std::array<double, 6> GeoTransformOf(const SiteRaster& raster) {
-  const double s = raster.cell_size_m;
-  return {static_cast<double>(raster.min_column) * s,
-          s,
-          0.0,
-          static_cast<double>(raster.min_row + raster.height) * s,
-          0.0,
-          -s};
-}
-
-void Describe(GDALDataset* data, const SiteRaster& raster, const RasterLabel& label, const Provenance& provenance,
-              const char* content) {
-  std::array<double, 6> transform = GeoTransformOf(raster);
-  data->SetGeoTransform(transform.data());
-  OGRSpatialReference crs;
-  crs.importFromWkt(Wkt2OfLabel(label).c_str());
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  data->SetSpatialRef(&crs);
-  data->SetMetadataItem("AREA_OR_POINT", "Area");
-  data->SetMetadataItem(kContentItem, content);
-  data->SetMetadataItem(kTiedItem, label.tied ? "yes" : "no");
-  if (label.tied && !label.frame.crs.empty()) data->SetMetadataItem(kCrsItem, label.frame.crs.c_str());
-  data->SetMetadataItem(kProvenanceItem, ToJson(provenance).dump().c_str());
-}
-
 // Writes rows from the north (file order) out of rows from the south.
 template <typename T>
 CPLErr WriteFlipped(GDALRasterBand* band, const std::vector<T>& cells, int width, int height, GDALDataType type) {
@@ -89,85 +51,6 @@ CPLErr WriteFlipped(GDALRasterBand* band, const std::vector<T>& cells, int width
     status = band->RasterIO(GF_Write, 0, row, width, 1, const_cast<T*>(begin), width, 1, type, 0, 0, nullptr);
   }
   return status;
-}
-
-std::uint8_t PercentOf(float log_odds) {
-  if (std::isnan(log_odds)) return kUnknownPercent;
-  return static_cast<std::uint8_t>(std::lround(100.0 * survey::ProbabilityFromLogOdds(log_odds)));
-}
-
-std::uint8_t SigmaStepsOf(float sigma_m) {
-  if (std::isnan(sigma_m)) return kUnknownPercent;
-  return static_cast<std::uint8_t>(std::lround(std::min(254.0, static_cast<double>(sigma_m) / kSigmaStep_m)));
-}
-
-struct ByteImage {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> cells;  // rows from the north
-};
-
-template <typename ToByte>
-ByteImage ImageOf(const SiteRaster& raster, const std::vector<float>& values, const ToByte& to_byte) {
-  ByteImage image{raster.width, raster.height, {}};
-  image.cells.reserve(values.size());
-  for (int row = raster.height - 1; row >= 0; --row) {
-    for (int column = 0; column < raster.width; ++column)
-      image.cells.push_back(to_byte(values[raster.Index(column, row)]));
-  }
-  return image;
-}
-
-// Half size; each cell takes the largest value below it: thin walls survive in the overviews, sigmas stay safe.
-ByteImage Halved(const ByteImage& fine) {
-  ByteImage coarse{(fine.width + 1) / 2, (fine.height + 1) / 2, {}};
-  coarse.cells.assign(static_cast<std::size_t>(coarse.width) * static_cast<std::size_t>(coarse.height),
-                      kUnknownPercent);
-  for (int row = 0; row < fine.height; ++row) {
-    for (int column = 0; column < fine.width; ++column) {
-      const std::uint8_t value = fine.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(fine.width) +
-                                            static_cast<std::size_t>(column)];
-      std::uint8_t& cell = coarse.cells[static_cast<std::size_t>(row / 2) * static_cast<std::size_t>(coarse.width) +
-                                        static_cast<std::size_t>(column / 2)];
-      if (value != kUnknownPercent && (cell == kUnknownPercent || value > cell)) cell = value;
-    }
-  }
-  return coarse;
-}
-
-CPLErr WriteImage(GDALRasterBand* band, ByteImage& image) {
-  return band->RasterIO(GF_Write, 0, 0, image.width, image.height, image.cells.data(), image.width, image.height,
-                        GDT_Byte, 0, 0, nullptr);
-}
-
-// The band and its overviews.
-bool FillBand(GDALRasterBand* band, ByteImage image) {
-  band->SetNoDataValue(kUnknownPercent);
-  if (WriteImage(band, image) != CE_None) return false;
-  for (int level = 0; level < band->GetOverviewCount(); ++level) {
-    image = Halved(image);
-    if (WriteImage(band->GetOverview(level), image) != CE_None) return false;
-  }
-  return true;
-}
-
-// The images, a band each, with their overviews in memory; the COG driver copies both.
-GDALDatasetUniquePtr PyramidInMemory(const std::vector<ByteImage>& images) {
-  auto* memory = GetGDALDriverManager()->GetDriverByName("MEM");
-  const int width = images.front().width;
-  const int height = images.front().height;
-  const int bands = static_cast<int>(images.size());
-  GDALDatasetUniquePtr data(memory->Create("", width, height, bands, GDT_Byte, nullptr));
-  if (!data) return data;
-  std::vector<int> factors;
-  for (int factor = 2; std::max(width, height) / factor * 2 > kCogTile; factor *= 2) factors.push_back(factor);
-  if (!factors.empty() && data->BuildOverviews("NEAREST", static_cast<int>(factors.size()), factors.data(), 0, nullptr,
-                                               nullptr, nullptr) != CE_None)
-    return nullptr;
-  for (int band = 1; band <= bands; ++band) {
-    if (!FillBand(data->GetRasterBand(band), images[static_cast<std::size_t>(band) - 1])) return nullptr;
-  }
-  return data;
 }
 
 std::string MetadataOf(GDALDataset* data, const char* item) {
@@ -191,17 +74,53 @@ void ReadGeoreference(const fs::path& file, GDALDataset* data, SiteRaster* raste
   raster->min_row = std::llround(row) - raster->height;
 }
 
-std::vector<float> ReadCells(GDALRasterBand* band, const SiteRaster& raster) {
-  const auto width = static_cast<std::size_t>(raster.width);
-  const auto height = static_cast<std::size_t>(raster.height);
-  std::vector<float> cells(width * height);
-  for (std::size_t row = 0; row < height; ++row) {
-    float* begin = cells.data() + (height - 1 - row) * width;
-    if (band->RasterIO(GF_Read, 0, static_cast<int>(row), raster.width, 1, begin, raster.width, 1, GDT_Float32, 0, 0,
-                       nullptr) != CE_None)
-      break;
+// Rows [first, first + raster->height) of the file's array, counted from the south, into `raster`.
+void ReadCells(GDALDataset* data, int first, SiteRaster* raster) {
+  const auto width = static_cast<std::size_t>(raster->width);
+  raster->log_odds.resize(width * static_cast<std::size_t>(raster->height));
+  for (int row = 0; row < raster->height; ++row) {
+    float* begin = raster->log_odds.data() + static_cast<std::size_t>(row) * width;
+    const int file_row = data->GetRasterYSize() - 1 - first - row;
+    if (data->GetRasterBand(1)->RasterIO(GF_Read, 0, file_row, raster->width, 1, begin, raster->width, 1, GDT_Float32,
+                                         0, 0, nullptr) != CE_None)
+      return;
   }
   return cells;
+}
+
+GDALDatasetUniquePtr OpenLogOdds(const fs::path& file, const GdalSession& session) {
+  const char* const drivers[] = {"GTiff", nullptr};
+  GDALDatasetUniquePtr data(
+      GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
+  if (!data) session.Throw(file, "cannot be read as GeoTIFF");
+  if (data->GetRasterCount() != 1 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
+      MetadataOf(data.get(), kContentItem) != kLogOdds)
+    throw DataError(file.string() + ": is not an occupancy raster of Plumbline (one band of log-odds, metadata item " +
+                    kContentItem + ")");
+  return data;
+}
+
+RasterLabel LabelOf(const fs::path& file, GDALDataset* data) {
+  const std::string tied = MetadataOf(data, kTiedItem);
+  if (tied != "yes" && tied != "no")
+    throw DataError(file.string() + ": " + kTiedItem + " = \"" + tied + "\": must be yes or no");
+  RasterLabel label{.frame = {}, .tied = tied == "yes"};
+  label.frame.crs = MetadataOf(data, kCrsItem);
+  label.frame.wkt2 = Wkt2OfCrs(label.frame.crs);
+  return label;
+}
+
+// A strip of rows from the north at a time: files of any size are checked whole.
+void VerifyCells(const fs::path& file, GDALDataset* data, const SiteRaster& frame, const GdalSession& session) {
+  RasterDigest digest(data);
+  SiteRaster rows = frame;
+  for (int end = frame.height; end > 0; end -= rows.height) {
+    rows.height = std::min(kStripRows, end);
+    ReadCells(data, end - rows.height, &rows);
+    session.ThrowIfFailed(file, "cannot be read to its end");
+    for (int row = rows.height - 1; row >= 0; --row) digest.AddRow(std::as_bytes(RowOf(rows, row)));
+  }
+  digest.Verify(data, file);
 }
 
 }  // namespace
@@ -238,63 +157,40 @@ void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLab
 
 SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
   const GdalSession session;
-  const char* const drivers[] = {"GTiff", nullptr};
-  const GDALDatasetUniquePtr data(
-      GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
-  if (!data) session.Throw(file, "cannot be read as GeoTIFF");
-  if (data->GetRasterCount() > 2 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
-      MetadataOf(data.get(), kContentItem) != kLogOdds)
-    throw DataError(file.string() + ": is not an occupancy raster of Plumbline (a band of log-odds, metadata item " +
-                    kContentItem + ")");
+  const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
   SiteRaster raster;
   ReadGeoreference(file, data.get(), &raster);
-  raster.log_odds = ReadCells(data->GetRasterBand(1), raster);
-  if (data->GetRasterCount() == 2) raster.sigma_m = ReadCells(data->GetRasterBand(2), raster);
+  ReadCells(data.get(), 0, &raster);
   session.ThrowIfFailed(file, "cannot be read to its end");
   RasterDigest digest(data.get());
   AddCells(raster, &digest);
   digest.Verify(data.get(), file);
-  const std::string tied = MetadataOf(data.get(), kTiedItem);
-  if (tied != "yes" && tied != "no")
-    throw DataError(file.string() + ": " + kTiedItem + " = \"" + tied + "\": must be yes or no");
-  if (label != nullptr) {
-    label->tied = tied == "yes";
-    label->frame.crs = MetadataOf(data.get(), kCrsItem);
-    label->frame.wkt2 = Wkt2OfCrs(label->frame.crs);
-  }
+  const RasterLabel own = LabelOf(file, data.get());
+  if (label != nullptr) *label = own;
   return raster;
 }
 
-void WriteCogMap(const fs::path& file, const SiteRaster& raster, const RasterLabel& label,
-                 const Provenance& provenance) {
-  RequireCells(file, raster);
-  AtomicFile output(file);
-  const GdalSession session;
-  std::vector<ByteImage> images = {ImageOf(raster, raster.log_odds, PercentOf)};
-  if (!raster.sigma_m.empty()) images.push_back(ImageOf(raster, raster.sigma_m, SigmaStepsOf));
-  const GDALDatasetUniquePtr memory = PyramidInMemory(images);
-  if (!memory) session.Throw(file, "could not be composed in memory");
-  Describe(memory.get(), raster, label, provenance, kPercent);
-  RasterDigest digest(memory.get());
-  for (const ByteImage& image : images) digest.AddRow(std::as_bytes(std::span(image.cells)));
-  digest.Store(memory.get());
-  DescribeBand(memory->GetRasterBand(1), "occupancy", "percent");
-  if (images.size() == 2) {
-    DescribeBand(memory->GetRasterBand(2), kSigmaName, "m");
-    memory->GetRasterBand(2)->SetScale(kSigmaStep_m);
+survey::RasterStrips OpenRaster(const fs::path& file, RasterLabel* label) {
+  survey::RasterStrips strips;
+  {
+    const GdalSession session;
+    const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
+    ReadGeoreference(file, data.get(), &strips.frame);
+    VerifyCells(file, data.get(), strips.frame, session);
+    *label = LabelOf(file, data.get());
   }
-  CPLStringList options;
-  options.SetNameValue("COMPRESS", "DEFLATE");
-  options.SetNameValue("BLOCKSIZE", std::to_string(kCogTile).c_str());
-  options.SetNameValue("BIGTIFF", "IF_SAFER");
-  options.SetNameValue("NUM_THREADS", "1");
-  GDALDatasetUniquePtr data(GetGDALDriverManager()->GetDriverByName("COG")->CreateCopy(
-      output.temporary().c_str(), memory.get(), TRUE, options.List(), nullptr, nullptr));
-  const bool created = data != nullptr;
-  data.reset();
-  if (!created) session.Throw(file, "could not be written (disk full?)");
-  session.ThrowIfFailed(file, "could not be written (disk full?)");
-  output.Commit();
+  // Opened anew for each strip: a site may have more blocks than a process may have open files.
+  strips.read = [file, frame = strips.frame](std::int64_t min_row, int height) {
+    const GdalSession session;
+    const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
+    SiteRaster rows = frame;
+    rows.min_row = min_row;
+    rows.height = height;
+    ReadCells(data.get(), static_cast<int>(min_row - frame.min_row), &rows);
+    session.ThrowIfFailed(file, "cannot be read to its end");
+    return rows;
+  };
+  return strips;
 }
 
 }  // namespace formats

@@ -10,6 +10,7 @@
 
 #include "formats/provenance.h"
 #include "survey/control/control_point.h"
+#include "survey/grid/raster_strips.h"
 #include "survey/grid/site_raster.h"
 
 namespace formats {
@@ -25,17 +26,26 @@ void WriteRaster(const std::filesystem::path& file, const survey::SiteRaster& ra
                  const Provenance& provenance);
 survey::SiteRaster ReadRaster(const std::filesystem::path& file, RasterLabel* label = nullptr);
 
+// The same for rasters that need not fit into memory: the file is checked whole, its rows are read when asked for.
+survey::RasterStrips OpenRaster(const std::filesystem::path& file, RasterLabel* label);
+
+// The writers of deliverables take a raster strip by strip: memory does not grow with its height.
+
 // GeoTIFF for people: cloud-optimized, DEFLATE, 512-cell tiles, overviews, nodata 255.
+void WriteCogMap(const std::filesystem::path& file, const survey::RasterStrips& strips, const RasterLabel& label,
+                 const Provenance& provenance);
 void WriteCogMap(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label,
                  const Provenance& provenance);
 
 // Picture: white free, black occupied, grey unknown; writes file, the .pgw beside it (centre of the upper left pixel)
 // and file.aux.xml with the CRS.
+void WritePngMap(const std::filesystem::path& file, const survey::RasterStrips& strips, const RasterLabel& label);
 void WritePngMap(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label);
 
 // folder/map.pgm with map.yaml (origin = lower left corner in site coordinates) and map_local.yaml (the same picture,
 // lower left corner at 0 0: ROS tools keep positions as 32-bit floats); free_thresh 0.196 so that unknown stays
 // unknown.
+void WriteRosMap(const std::filesystem::path& folder, const survey::RasterStrips& strips, const RasterLabel& label);
 void WriteRosMap(const std::filesystem::path& folder, const survey::SiteRaster& raster, const RasterLabel& label);
 
 // WKT2 of "EPSG:25832" and the like; empty for empty. UsageError names a CRS that is not known or not projected.

@@ -5,7 +5,7 @@
 #     include $(shell plumbline --graph)
 #
 # Targets: `all` (the certificate and everything under it), a stage's name (that stage for all blocks), a block's name
-# (its map), or any file named below. Variables: LAUNCH is put before every stage command (a cluster's launcher);
+# (its map), or any file named below. Variables: LAUNCH is put before every stage command (examples/cluster/srun-verified);
 # PLUMBLINE_THREADS limits the threads of each stage (0: all cores) and never changes a result.
 #
 # When does a stage run again? Its stamp, work/.stamps/[BLOCK-]STAGE, holds the command that last succeeded and bears the

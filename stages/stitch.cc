@@ -22,22 +22,22 @@ namespace fs = std::filesystem;
 struct BlockMap {
   std::string name;
   fs::path file;
-  survey::SiteRaster raster;
+  survey::RasterStrips map;
   formats::RasterLabel label;
-  survey::Solution solution;
+  fs::path solution;
 };
 
 // An offset between two rasters is read to about this part of a cell, 1 sigma.
 constexpr double kReadingSigmaCells = 0.2;
 
 // The solution that is given for the block; its map must descend from it.
-survey::Solution SolutionOf(const BlockMap& block, const std::vector<pipeline::NamedFile>& solutions) {
+fs::path SolutionOf(const BlockMap& block, const std::vector<pipeline::NamedFile>& solutions) {
   const auto solution = std::find_if(solutions.begin(), solutions.end(),
                                      [&](const pipeline::NamedFile& named) { return named.name == block.name; });
   if (solution == solutions.end())
     throw formats::UsageError("--solution " + block.name + "=FILE is missing beside --map " + block.name + "=FILE");
   pipeline::RequireDescent(block.file, solution->file);
-  return formats::ReadSolution(solution->file);
+  return solution->file;
 }
 
 void RequireSameRaster(const BlockMap& a, const BlockMap& b) {
@@ -45,8 +45,9 @@ void RequireSameRaster(const BlockMap& a, const BlockMap& b) {
     throw formats::DataError(a.file.string() + " and " + b.file.string() + " have different " + what + ": " + of_a +
                              " and " + of_b);
   };
-  if (a.raster.cell_size_m != b.raster.cell_size_m)
-    differ("cell sizes", std::to_string(a.raster.cell_size_m) + " m", std::to_string(b.raster.cell_size_m) + " m");
+  if (a.map.frame.cell_size_m != b.map.frame.cell_size_m)
+    differ("cell sizes", std::to_string(a.map.frame.cell_size_m) + " m",
+           std::to_string(b.map.frame.cell_size_m) + " m");
   if (a.label.tied && b.label.tied && a.label.frame.crs != b.label.frame.crs)
     differ("coordinate systems", a.label.frame.crs.empty() ? "none" : a.label.frame.crs,
            b.label.frame.crs.empty() ? "none" : b.label.frame.crs);
@@ -57,7 +58,7 @@ std::vector<BlockMap> ReadMaps(const std::vector<pipeline::NamedFile>& maps,
   std::vector<BlockMap> blocks;
   for (const pipeline::NamedFile& map : maps) {
     BlockMap block{.name = map.name, .file = map.file};
-    block.raster = formats::ReadRaster(map.file, &block.label);
+    block.map = formats::OpenRaster(map.file, &block.label);
     block.solution = SolutionOf(block, solutions);
     for (const BlockMap& other : blocks) {
       if (other.name == block.name) throw formats::UsageError("--map " + block.name + " is given twice");
@@ -68,10 +69,10 @@ std::vector<BlockMap> ReadMaps(const std::vector<pipeline::NamedFile>& maps,
   return blocks;
 }
 
-void WriteMap(const fs::path& tif, const survey::SiteRaster& raster, const formats::RasterLabel& label,
+void WriteMap(const fs::path& tif, const survey::RasterStrips& map, const formats::RasterLabel& label,
               const formats::Provenance& provenance) {
-  formats::WriteCogMap(tif, raster, label, provenance);
-  formats::WritePngMap(fs::path(tif).replace_extension(".png"), raster, label);
+  formats::WriteCogMap(tif, map, label, provenance);
+  formats::WritePngMap(fs::path(tif).replace_extension(".png"), map, label);
 }
 
 void RemoveMap(const fs::path& tif) {
@@ -95,20 +96,37 @@ void RemoveOldLocalMaps(const fs::path& output, const formats::SeamsReport& repo
   }
 }
 
+bool Overlap(const survey::SiteRaster& a, const survey::SiteRaster& b) {
+  return a.min_column < b.min_column + b.width && b.min_column < a.min_column + a.width &&
+         a.min_row < b.min_row + b.height && b.min_row < a.min_row + a.height;
+}
+
+survey::SiteRaster WholeMap(const BlockMap& block) {
+  return block.map.read(block.map.frame.min_row, block.map.frame.height);
+}
+
+// Two maps are in memory at a time.
 std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& blocks,
                                            const survey::SeamOptions& options, pipeline::StageRun& run) {
   std::vector<formats::BlockSeam> seams;
   pipeline::Progress progress = run.Track("pairs", static_cast<std::int64_t>(blocks.size() * (blocks.size() - 1) / 2));
   std::int64_t done = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
+    std::optional<survey::SiteRaster> first;
+    survey::Solution solution;
     for (std::size_t j = i + 1; j < blocks.size(); ++j) {
-      survey::Seam seam = survey::CompareMaps(blocks[i]->raster, blocks[j]->raster, options);
+      progress.Advance(++done);
+      if (!Overlap(blocks[i]->map.frame, blocks[j]->map.frame)) continue;
+      if (!first) {
+        first = WholeMap(*blocks[i]);
+        solution = formats::ReadSolution(blocks[i]->solution);
+      }
+      survey::Seam seam = survey::CompareMaps(*first, WholeMap(*blocks[j]), options);
       if (seam.overlap_area_m2 > 0) {
-        const auto verdict = survey::JudgeSeam(seam, blocks[i]->solution, blocks[j]->solution,
-                                               kReadingSigmaCells * blocks[i]->raster.cell_size_m);
+        const auto verdict = survey::JudgeSeam(seam, solution, formats::ReadSolution(blocks[j]->solution),
+                                               kReadingSigmaCells * blocks[i]->map.frame.cell_size_m);
         seams.push_back({blocks[i]->name, blocks[j]->name, std::move(seam), verdict});
       }
-      progress.Advance(++done);
     }
   }
   return seams;
@@ -164,15 +182,15 @@ int main(int argc, char** argv) {
     for (const BlockMap& block : blocks) {
       if (block.label.tied || blocks.size() == 1) site_blocks.push_back(&block);
     }
-    formats::SeamsReport report{.cell_size_m = blocks.front().raster.cell_size_m};
-    std::vector<const survey::SiteRaster*> rasters;
-    for (const BlockMap* block : site_blocks) rasters.push_back(&block->raster);
+    formats::SeamsReport report{.cell_size_m = blocks.front().map.frame.cell_size_m};
+    std::vector<survey::RasterStrips> site_maps;
+    for (const BlockMap* block : site_blocks) site_maps.push_back(block->map);
     for (const BlockMap& block : blocks) {
       const bool in_site = std::find(site_blocks.begin(), site_blocks.end(), &block) != site_blocks.end();
       report.blocks.push_back({block.name, block.label.tied, in_site ? "site.tif" : "local/" + block.name + ".tif"});
       if (!block.label.tied)
         run.Warn(block.name + " is not tied to control: " + report.blocks.back().map + " is in its local frame");
-      if (!in_site) WriteMap(output / report.blocks.back().map, block.raster, block.label, run.Provenance());
+      if (!in_site) WriteMap(output / report.blocks.back().map, block.map, block.label, run.Provenance());
     }
     RemoveOldLocalMaps(output, report);
     const fs::path site = output / "site.tif";
@@ -182,7 +200,7 @@ int main(int argc, char** argv) {
       fs::remove_all(output / "ros");
     } else {
       report.label = site_blocks.front()->label;
-      const survey::SiteRaster mosaic = survey::Mosaic(rasters, {});
+      const survey::RasterStrips mosaic = survey::MosaicOf(site_maps, {});
       WriteMap(site, mosaic, report.label, run.Provenance());
       formats::WriteRosMap(output / "ros", mosaic, report.label);
       report.seams = CompareAll(site_blocks, seam_options, run);

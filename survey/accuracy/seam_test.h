@@ -22,11 +22,13 @@ struct SeamVerdict {
   std::vector<double> patch_ratios;  // by patch of the seam
   std::optional<double> ratio;       // of the offset of the whole seam
   int num_beyond = 0;                // patches beyond the limit of their directions
-  bool contradicts = false;          // the whole offset is beyond, or more patches than chance allows
+  bool contradicts = false;          // the whole offset is beyond, or more than a fifth of the patches, two at least
 };
 
-// `reading_sigma_m`: of an offset read in two rasters, 1 sigma per axis. Chance of a false alarm: 0.1 % per offset.
-// Without covariances in either solution there is no verdict.
+// Limits: 99.9 % of chi-square. `reading_sigma_m`: of an offset read in two rasters, 1 sigma per axis; it does not
+// average out over a seam, for a wall is drawn some way to the side that it was seen from. What single patches scatter
+// beyond it (parked cars, people) is taken from the seam itself, robustly. Without covariances in either solution there
+// is no verdict.
 std::optional<SeamVerdict> JudgeSeam(const Seam& seam, const Solution& first, const Solution& second,
                                      double reading_sigma_m);
 

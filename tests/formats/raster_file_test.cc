@@ -337,8 +337,8 @@ TEST(RasterFile, DamagedAndForeignFilesAreNamed) {
 TEST(RasterFile, AnEmptyRasterIsRefused) {
   const ScratchFolder scratch;
   EXPECT_THROW(WriteRaster(scratch / "grid.tif", {}, kUtm, SomeProvenance()), DataError);
-  EXPECT_THROW(WriteCogMap(scratch / "site.tif", {}, kUtm, SomeProvenance()), DataError);
-  EXPECT_THROW(WritePngMap(scratch / "site.png", {}, kUtm), DataError);
+  EXPECT_THROW(WriteCogMap(scratch / "site.tif", SiteRaster{}, kUtm, SomeProvenance()), DataError);
+  EXPECT_THROW(WritePngMap(scratch / "site.png", SiteRaster{}, kUtm), DataError);
 }
 
 // A limit on the size of files stands for the full disk.

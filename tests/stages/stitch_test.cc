@@ -2,12 +2,15 @@
 //
 // plumbline-edit and plumbline-stitch on maps made here.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "formats/artefacts.h"
 #include "formats/atomic_file.h"
+#include "formats/raster_facts.h"
 #include "formats/raster_file.h"
 #include "tests/support/command.h"
 #include "tests/support/scratch_folder.h"
@@ -24,7 +27,7 @@ class StitchTest : public testing::Test {
  protected:
   // A square room of 8 m with its south-west corner at (x, y).
   void MakeBlock(const std::string& name, bool tied, double x, double cell_size_m = 0.05,
-                 const std::string& crs = "EPSG:25832") {
+                 const std::string& crs = "EPSG:25832", double y = 0) {
     const fs::path folder = scratch_ / name;
     fs::create_directories(folder);
     const formats::Provenance own{
@@ -42,7 +45,7 @@ class StitchTest : public testing::Test {
                     own.Own()}};
     survey::SiteRaster room{.cell_size_m = cell_size_m,
                             .min_column = std::llround(x / cell_size_m),
-                            .min_row = 0,
+                            .min_row = std::llround(y / cell_size_m),
                             .width = static_cast<int>(std::lround(8 / cell_size_m)),
                             .height = static_cast<int>(std::lround(8 / cell_size_m))};
     room.log_odds.assign(static_cast<std::size_t>(room.width * room.height), -2.0F);
@@ -121,6 +124,43 @@ TEST_F(StitchTest, BlocksThatContradictEachOtherAreNamed) {
   const json line = layer["features"][0]["geometry"]["coordinates"];
   EXPECT_NEAR(line[1][0].get<double>() - line[0][0].get<double>(),
               100 * layer["features"][0]["properties"]["east_m"].get<double>(), 1e-6);
+}
+
+// A campus of 12 blocks in a grid, each 4 m into its neighbours: seams are those of neighbours alone.
+TEST_F(StitchTest, ManyBlocks) {
+  std::vector<std::string> blocks;
+  for (int i = 0; i < 12; ++i) {
+    blocks.push_back("K" + std::to_string(100 + i));
+    MakeBlock(blocks.back(), true, 4.0 * (i % 4), 0.05, "EPSG:25832", 4.0 * (i / 4));
+    ASSERT_EQ(Edit(blocks.back()).status, 0);
+  }
+  const CommandResult result = Stitch(blocks);
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(Seams()["seams"].size(), 3U * 3 + 2 * 4 + 2 * 3 * 2);  // east, north, diagonal
+  EXPECT_EQ(formats::ReadRasterFacts(out_ / "site.tif").width, 20 * 20);
+}
+
+// Two blocks far apart: the site between them costs no memory. PLUMBLINE_SITE_CELLS=50000 tries what a large campus
+// needs.
+TEST_F(StitchTest, MemoryDoesNotGrowWithTheArea) {
+  const char* wanted = std::getenv("PLUMBLINE_SITE_CELLS");
+  const int cells = wanted != nullptr ? std::atoi(wanted) : 6000;
+  MakeBlock("B1", true, 0);
+  MakeBlock("B2", true, 0.05 * cells - 8, 0.05, "EPSG:25832", 0.05 * cells - 8);
+  for (const char* block : {"B1", "B2"}) ASSERT_EQ(Edit(block).status, 0);
+  const CommandResult result = Stitch({"B1", "B2"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const formats::RasterFacts facts = formats::ReadRasterFacts(out_ / "site.tif");
+  EXPECT_EQ(facts.width, cells);
+  EXPECT_EQ(facts.height, cells);
+  EXPECT_EQ(facts.num_known, 2 * 160 * 160);
+  EXPECT_GE(facts.num_overviews, 3);
+  rusage usage{};
+  getrusage(RUSAGE_CHILDREN, &usage);
+  const double megabytes = static_cast<double>(usage.ru_maxrss) / 1024;
+  RecordProperty("stitch_peak_mb", static_cast<int>(megabytes));
+  // Fixed costs, GDAL's cache of 128 MB, and a few strips; the cells as floats would take 144 MB, or 10 GB.
+  EXPECT_LT(megabytes, 200 + cells * 512 * 9e-6);
 }
 
 TEST_F(StitchTest, TheSameInputsGiveTheSameBytes) {

@@ -49,15 +49,28 @@ TEST(SeamTest, OffsetsWithinTheCovarianceAreNoContradiction) {
   EXPECT_FALSE(survey::JudgeSeam(seam, block, survey::Solution(), 0.01).has_value());
 }
 
-TEST(SeamTest, OneWindowBeyondIsChanceManyAreNot) {
+TEST(SeamTest, FewWindowsBeyondAreClutterManyAreNot) {
   const survey::Solution block = BlockKnownTo(0.005, 0.0);
   std::vector<Vector2d> offsets(20, Vector2d(0.002, -0.002));
-  offsets[3] = {0.08, 0.0};
-  EXPECT_FALSE(survey::JudgeSeam(SeamOf(offsets), block, block, 0.005)->contradicts);
-  offsets[7] = {-0.08, 0.0};
-  const auto verdict = survey::JudgeSeam(SeamOf(offsets), block, block, 0.005);
-  EXPECT_EQ(verdict->num_beyond, 2);
-  EXPECT_TRUE(verdict->contradicts);
+  for (const std::size_t i : {3U, 8U}) offsets[i] = {0.08, 0.0};
+  for (const std::size_t i : {5U, 9U}) offsets[i] = {-0.08, 0.0};
+  const auto cluttered = survey::JudgeSeam(SeamOf(offsets), block, block, 0.005);
+  EXPECT_EQ(cluttered->num_beyond, 4);
+  EXPECT_FALSE(cluttered->contradicts);
+  offsets[12] = {0.0, 0.08};
+  EXPECT_TRUE(survey::JudgeSeam(SeamOf(offsets), block, block, 0.005)->contradicts);
+}
+
+// Windows that all scatter by centimetres without a common shift: the seam is noisy, the blocks do not contradict.
+TEST(SeamTest, ScatterIsTakenFromTheSeam) {
+  const survey::Solution block = BlockKnownTo(0.003, 0.0);
+  const survey::RandomStream random(9, 0, 0);
+  std::vector<Vector2d> offsets;
+  for (std::uint64_t i = 0; i < 60; ++i)
+    offsets.emplace_back(0.03 * random.Normal(2 * i), 0.03 * random.Normal(2 * i + 1));
+  EXPECT_FALSE(survey::JudgeSeam(SeamOf(offsets), block, block, 0.01)->contradicts);
+  for (Vector2d& offset : offsets) offset.x() += 0.06;
+  EXPECT_TRUE(survey::JudgeSeam(SeamOf(offsets), block, block, 0.01)->contradicts);
 }
 
 TEST(SeamTest, FalseAlarmsAreAsRareAsClaimed) {

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A raster that need not be in memory: its frame, and its rows when asked for. Site maps are composed and written strip
+// by strip, so that memory grows with a strip and not with the site's area.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <utility>
+
+#include "survey/grid/site_raster.h"
+
+namespace survey {
+
+struct RasterStrips {
+  SiteRaster frame;  // cell size and extent; no cells
+  // Rows [min_row, min_row + height) of the site's cell grid over the whole width; within the frame.
+  std::function<SiteRaster(std::int64_t min_row, int height)> read;
+};
+
+inline SiteRaster FrameOf(const SiteRaster& raster) {
+  return {raster.cell_size_m, raster.min_column, raster.min_row, raster.width, raster.height, {}};
+}
+
+// A strip without anything seen.
+inline SiteRaster EmptyRows(const SiteRaster& frame, std::int64_t min_row, int height) {
+  SiteRaster rows = FrameOf(frame);
+  rows.min_row = min_row;
+  rows.height = height;
+  rows.log_odds.assign(static_cast<std::size_t>(rows.width) * static_cast<std::size_t>(height), kUnknownLogOdds);
+  return rows;
+}
+
+// Strips of a raster that is in memory and outlives them.
+inline RasterStrips StripsOf(const SiteRaster& raster) {
+  const auto read = [&raster](std::int64_t min_row, int height) {
+    SiteRaster rows = FrameOf(raster);
+    rows.min_row = min_row;
+    rows.height = height;
+    const auto width = static_cast<std::ptrdiff_t>(raster.width);
+    const auto first = raster.log_odds.begin() + width * static_cast<std::ptrdiff_t>(min_row - raster.min_row);
+    rows.log_odds.assign(first, first + width * height);
+    return rows;
+  };
+  return {FrameOf(raster), read};
+}
+
+}  // namespace survey

@@ -4,6 +4,7 @@
 #include <cpl_string.h>
 #include <gdal_priv.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "formats/raster_description.h"
@@ -16,10 +17,16 @@ namespace {
 
 constexpr std::uint8_t kUnknownPercent = 255;
 constexpr int kCogTile = 512;
+constexpr double kSigmaStep_m = 0.002;  // of the bytes of site.tif; 254: 0.508 m or more
 
 std::uint8_t PercentOf(float log_odds) {
   if (std::isnan(log_odds)) return kUnknownPercent;
   return static_cast<std::uint8_t>(std::lround(100.0 * survey::ProbabilityFromLogOdds(log_odds)));
+}
+
+std::uint8_t SigmaStepsOf(float sigma_m) {
+  if (std::isnan(sigma_m)) return kUnknownPercent;
+  return static_cast<std::uint8_t>(std::lround(std::min(254.0, static_cast<double>(sigma_m) / kSigmaStep_m)));
 }
 
 }  // namespace
@@ -28,17 +35,23 @@ void WriteCogMap(const std::filesystem::path& file, const survey::RasterStrips& 
                  const Provenance& provenance) {
   RequireCells(file, strips.frame);
   const GdalSession session;
-  ScratchRaster scratch(file, strips.frame, session);
+  ScratchRaster scratch(file, strips.frame, strips.has_sigma ? 2 : 1, session);
   Describe(scratch.data(), strips.frame, label, provenance, "occupancy in percent");
-  GDALRasterBand* band = scratch.data()->GetRasterBand(1);
-  band->SetNoDataValue(kUnknownPercent);
-  band->SetDescription("occupancy");
-  band->SetUnitType("percent");
   RasterDigest digest(scratch.data());
-  ForEachStrip(strips, &PercentOf, [&](int first_row, std::span<std::uint8_t> rows) {
-    scratch.Write(first_row, rows);
-    digest.AddRow(std::as_bytes(rows));
-  });
+  const auto fill = [&](int band, Layer layer, CellCode code) {
+    scratch.data()->GetRasterBand(band)->SetNoDataValue(kUnknownPercent);
+    ForEachStrip(strips, layer, code, [&](int first_row, std::span<std::uint8_t> rows) {
+      scratch.Write(band, first_row, rows);
+      digest.AddRow(std::as_bytes(rows));
+    });
+  };
+  fill(1, &survey::SiteRaster::log_odds, &PercentOf);
+  DescribeBand(scratch.data()->GetRasterBand(1), "occupancy", "percent");
+  if (strips.has_sigma) {
+    fill(2, &survey::SiteRaster::sigma_m, &SigmaStepsOf);
+    DescribeBand(scratch.data()->GetRasterBand(2), kSigmaName, "m");
+    scratch.data()->GetRasterBand(2)->SetScale(kSigmaStep_m);
+  }
   digest.Store(scratch.data());
   scratch.BuildOverviews(kCogTile, kUnknownPercent);
   CPLStringList options;

@@ -86,7 +86,7 @@ void WritePgm(const fs::path& file, const survey::RasterStrips& strips) {
   AtomicFile output(file);
   std::ofstream pgm(output.temporary(), std::ios::binary);
   pgm << "P5\n" << strips.frame.width << " " << strips.frame.height << "\n255\n";
-  ForEachStrip(strips, &RosGrey, [&](int, std::span<std::uint8_t> rows) {
+  ForEachStrip(strips, &SiteRaster::log_odds, &RosGrey, [&](int, std::span<std::uint8_t> rows) {
     pgm.write(reinterpret_cast<const char*>(rows.data()), static_cast<std::streamsize>(rows.size()));
   });
   pgm.close();
@@ -108,9 +108,9 @@ void WritePngMap(const fs::path& file, const survey::RasterStrips& strips, const
   RequireCells(file, strips.frame);
   {
     const GdalSession session;
-    ScratchRaster scratch(file, strips.frame, session);
-    ForEachStrip(strips, &PictureGrey,
-                 [&](int first_row, std::span<std::uint8_t> rows) { scratch.Write(first_row, rows); });
+    ScratchRaster scratch(file, strips.frame, 1, session);
+    ForEachStrip(strips, &SiteRaster::log_odds, &PictureGrey,
+                 [&](int first_row, std::span<std::uint8_t> rows) { scratch.Write(1, first_row, rows); });
     scratch.CopyTo("PNG", nullptr);
   }
   WriteFileAtomically(fs::path(file).replace_extension(".pgw"), WorldFileOf(strips.frame));

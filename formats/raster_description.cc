@@ -40,6 +40,11 @@ void Describe(GDALDataset* data, const survey::SiteRaster& frame, const RasterLa
   data->SetMetadataItem(kProvenanceItem, ToJson(provenance).dump().c_str());
 }
 
+void DescribeBand(GDALRasterBand* band, const char* name, const char* unit) {
+  band->SetDescription(name);
+  band->SetUnitType(unit);
+}
+
 void RequireCells(const std::filesystem::path& file, const survey::SiteRaster& frame) {
   if (frame.width <= 0 || frame.height <= 0) throw DataError(file.string() + ": the raster has no cells");
 }

@@ -8,6 +8,7 @@
 #include "survey/grid/site_raster.h"
 
 class GDALDataset;
+class GDALRasterBand;
 
 namespace formats {
 
@@ -18,6 +19,10 @@ inline constexpr const char* kContentItem = "PLUMBLINE_CONTENT";
 
 void Describe(GDALDataset* data, const survey::SiteRaster& frame, const RasterLabel& label,
               const Provenance& provenance, const char* content);
+
+inline constexpr const char* kSigmaName = "positional uncertainty, 1 sigma in the worst direction";
+
+void DescribeBand(GDALRasterBand* band, const char* name, const char* unit);
 
 // DataError when there are none: GDAL has no empty rasters.
 void RequireCells(const std::filesystem::path& file, const survey::SiteRaster& frame);

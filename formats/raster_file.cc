@@ -27,19 +27,13 @@ using survey::SiteRaster;
 constexpr const char* kLogOdds = "occupancy log-odds";
 constexpr int kStripRows = 256;  // one row of tiles
 
-// All rows of the bands in the order of the file: from the north, one band after the other.
-void AddCells(const SiteRaster& raster, RasterDigest* digest) {
-  for (const std::vector<float>* cells : {&raster.log_odds, &raster.sigma_m}) {
-    if (cells->empty()) continue;
-    const auto width = static_cast<std::size_t>(raster.width);
-    for (auto row = static_cast<std::size_t>(raster.height); row-- > 0;)
-      digest->AddRow(std::as_bytes(std::span(*cells).subspan(row * width, width)));
-  }
-}
+std::vector<float>* LayerOf(SiteRaster* raster, int band) { return band == 1 ? &raster->log_odds : &raster->sigma_m; }
 
-void DescribeBand(GDALRasterBand* band, const char* name, const char* unit) {
-  band->SetDescription(name);
-  band->SetUnitType(unit);
+// Rows from the north.
+void AddRows(const std::vector<float>& cells, int width, RasterDigest* digest) {
+  const auto row_size = static_cast<std::size_t>(width);
+  for (std::size_t row = cells.size() / row_size; row-- > 0;)
+    digest->AddRow(std::as_bytes(std::span(cells).subspan(row * row_size, row_size)));
 }
 
 // Writes rows from the north (file order) out of rows from the south.
@@ -74,18 +68,23 @@ void ReadGeoreference(const fs::path& file, GDALDataset* data, SiteRaster* raste
   raster->min_row = std::llround(row) - raster->height;
 }
 
-// Rows [first, first + raster->height) of the file's array, counted from the south, into `raster`.
-void ReadCells(GDALDataset* data, int first, SiteRaster* raster) {
-  const auto width = static_cast<std::size_t>(raster->width);
-  raster->log_odds.resize(width * static_cast<std::size_t>(raster->height));
-  for (int row = 0; row < raster->height; ++row) {
-    float* begin = raster->log_odds.data() + static_cast<std::size_t>(row) * width;
-    const int file_row = data->GetRasterYSize() - 1 - first - row;
-    if (data->GetRasterBand(1)->RasterIO(GF_Read, 0, file_row, raster->width, 1, begin, raster->width, 1, GDT_Float32,
-                                         0, 0, nullptr) != CE_None)
-      return;
+// Rows [first, first + height) of a band, counted from the south.
+std::vector<float> ReadBand(GDALRasterBand* band, int first, int height) {
+  const int width = band->GetXSize();
+  std::vector<float> cells(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int row = 0; row < height; ++row) {
+    float* begin = cells.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
+    const int file_row = band->GetYSize() - 1 - first - row;
+    if (band->RasterIO(GF_Read, 0, file_row, width, 1, begin, width, 1, GDT_Float32, 0, 0, nullptr) != CE_None) break;
   }
   return cells;
+}
+
+// The rows of `raster` out of the file's array, which begins at `file_min_row`.
+void ReadCells(GDALDataset* data, std::int64_t file_min_row, SiteRaster* raster) {
+  const int first = static_cast<int>(raster->min_row - file_min_row);
+  for (int band = 1; band <= data->GetRasterCount(); ++band)
+    *LayerOf(raster, band) = ReadBand(data->GetRasterBand(band), first, raster->height);
 }
 
 GDALDatasetUniquePtr OpenLogOdds(const fs::path& file, const GdalSession& session) {
@@ -93,9 +92,9 @@ GDALDatasetUniquePtr OpenLogOdds(const fs::path& file, const GdalSession& sessio
   GDALDatasetUniquePtr data(
       GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
   if (!data) session.Throw(file, "cannot be read as GeoTIFF");
-  if (data->GetRasterCount() != 1 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
+  if (data->GetRasterCount() > 2 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
       MetadataOf(data.get(), kContentItem) != kLogOdds)
-    throw DataError(file.string() + ": is not an occupancy raster of Plumbline (one band of log-odds, metadata item " +
+    throw DataError(file.string() + ": is not an occupancy raster of Plumbline (a band of log-odds, metadata item " +
                     kContentItem + ")");
   return data;
 }
@@ -110,15 +109,15 @@ RasterLabel LabelOf(const fs::path& file, GDALDataset* data) {
   return label;
 }
 
-// A strip of rows from the north at a time: files of any size are checked whole.
-void VerifyCells(const fs::path& file, GDALDataset* data, const SiteRaster& frame, const GdalSession& session) {
+// Band after band, a strip of rows from the north at a time: files of any size are checked whole.
+void VerifyCells(const fs::path& file, GDALDataset* data, const GdalSession& session) {
   RasterDigest digest(data);
-  SiteRaster rows = frame;
-  for (int end = frame.height; end > 0; end -= rows.height) {
-    rows.height = std::min(kStripRows, end);
-    ReadCells(data, end - rows.height, &rows);
-    session.ThrowIfFailed(file, "cannot be read to its end");
-    for (int row = rows.height - 1; row >= 0; --row) digest.AddRow(std::as_bytes(RowOf(rows, row)));
+  for (int band = 1; band <= data->GetRasterCount(); ++band) {
+    for (int end = data->GetRasterYSize(); end > 0; end -= kStripRows) {
+      const int first = std::max(0, end - kStripRows);
+      AddRows(ReadBand(data->GetRasterBand(band), first, end - first), data->GetRasterXSize(), &digest);
+      session.ThrowIfFailed(file, "cannot be read to its end");
+    }
   }
   digest.Verify(data, file);
 }
@@ -145,7 +144,8 @@ void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLab
   Describe(data.get(), raster, label, provenance, kLogOdds);
   data->GetRasterBand(1)->SetNoDataValue(survey::kUnknownLogOdds);
   RasterDigest digest(data.get());
-  AddCells(raster, &digest);
+  AddRows(raster.log_odds, raster.width, &digest);
+  AddRows(raster.sigma_m, raster.width, &digest);
   digest.Store(data.get());
   if (bands == 2) DescribeBand(data->GetRasterBand(2), kSigmaName, "m");
   WriteFlipped(data->GetRasterBand(1), raster.log_odds, raster.width, raster.height, GDT_Float32);
@@ -160,11 +160,9 @@ SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
   const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
   SiteRaster raster;
   ReadGeoreference(file, data.get(), &raster);
-  ReadCells(data.get(), 0, &raster);
+  VerifyCells(file, data.get(), session);
+  ReadCells(data.get(), raster.min_row, &raster);
   session.ThrowIfFailed(file, "cannot be read to its end");
-  RasterDigest digest(data.get());
-  AddCells(raster, &digest);
-  digest.Verify(data.get(), file);
   const RasterLabel own = LabelOf(file, data.get());
   if (label != nullptr) *label = own;
   return raster;
@@ -176,17 +174,16 @@ survey::RasterStrips OpenRaster(const fs::path& file, RasterLabel* label) {
     const GdalSession session;
     const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
     ReadGeoreference(file, data.get(), &strips.frame);
-    VerifyCells(file, data.get(), strips.frame, session);
+    VerifyCells(file, data.get(), session);
+    strips.has_sigma = data->GetRasterCount() == 2;
     *label = LabelOf(file, data.get());
   }
   // Opened anew for each strip: a site may have more blocks than a process may have open files.
   strips.read = [file, frame = strips.frame](std::int64_t min_row, int height) {
     const GdalSession session;
     const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
-    SiteRaster rows = frame;
-    rows.min_row = min_row;
-    rows.height = height;
-    ReadCells(data.get(), static_cast<int>(min_row - frame.min_row), &rows);
+    SiteRaster rows = survey::RowsOf(frame, min_row, height);
+    ReadCells(data.get(), frame.min_row, &rows);
     session.ThrowIfFailed(file, "cannot be read to its end");
     return rows;
   };

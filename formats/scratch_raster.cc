@@ -37,7 +37,7 @@ std::vector<std::uint8_t> Halved(const std::vector<std::uint8_t>& fine, int widt
 
 }  // namespace
 
-void ForEachStrip(const survey::RasterStrips& strips, CellCode code,
+void ForEachStrip(const survey::RasterStrips& strips, Layer layer, CellCode code,
                   const std::function<void(int first_row, std::span<std::uint8_t> rows)>& use) {
   const survey::SiteRaster& frame = strips.frame;
   std::vector<std::uint8_t> codes;
@@ -46,13 +46,14 @@ void ForEachStrip(const survey::RasterStrips& strips, CellCode code,
     const survey::SiteRaster rows = strips.read(frame.min_row + frame.height - first - height, height);
     codes.clear();
     for (int row = height - 1; row >= 0; --row) {
-      for (int column = 0; column < frame.width; ++column) codes.push_back(code(rows.At(column, row)));
+      for (int column = 0; column < frame.width; ++column)
+        codes.push_back(code((rows.*layer)[rows.Index(column, row)]));
     }
     use(first, codes);
   }
 }
 
-ScratchRaster::ScratchRaster(const std::filesystem::path& target, const survey::SiteRaster& frame,
+ScratchRaster::ScratchRaster(const std::filesystem::path& target, const survey::SiteRaster& frame, int num_bands,
                              const GdalSession& session)
     : target_(target), session_(session), file_(std::filesystem::path(target).replace_extension(".cells.tif")) {
   GDALSetCacheMax64(kCacheBytes);
@@ -60,11 +61,12 @@ ScratchRaster::ScratchRaster(const std::filesystem::path& target, const survey::
   options.SetNameValue("TILED", "YES");
   options.SetNameValue("BLOCKXSIZE", std::to_string(kTile).c_str());
   options.SetNameValue("BLOCKYSIZE", std::to_string(kTile).c_str());
+  options.SetNameValue("INTERLEAVE", "BAND");
   options.SetNameValue("COMPRESS", "DEFLATE");
   options.SetNameValue("ZLEVEL", "1");
   options.SetNameValue("BIGTIFF", "IF_SAFER");
-  data_.reset(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(file_.temporary().c_str(), frame.width,
-                                                                       frame.height, 1, GDT_Byte, options.List()));
+  data_.reset(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      file_.temporary().c_str(), frame.width, frame.height, num_bands, GDT_Byte, options.List()));
   Check(data_ != nullptr);
 }
 
@@ -74,9 +76,9 @@ void ScratchRaster::Check(bool good) const {
   if (!good) session_.Throw(target_, "could not be written (disk full?)");
 }
 
-void ScratchRaster::Write(int first_row, std::span<std::uint8_t> rows) {
+void ScratchRaster::Write(int band, int first_row, std::span<std::uint8_t> rows) {
   const int num_rows = static_cast<int>(rows.size()) / data_->GetRasterXSize();
-  Check(Transfer(data_->GetRasterBand(1), GF_Write, first_row, num_rows, rows.data()) == CE_None);
+  Check(Transfer(data_->GetRasterBand(band), GF_Write, first_row, num_rows, rows.data()) == CE_None);
 }
 
 void ScratchRaster::BuildOverviews(int smallest, std::uint8_t unknown) {
@@ -86,11 +88,13 @@ void ScratchRaster::BuildOverviews(int smallest, std::uint8_t unknown) {
   if (factors.empty()) return;
   Check(data_->BuildOverviews("NONE", static_cast<int>(factors.size()), factors.data(), 0, nullptr, nullptr, nullptr) ==
         CE_None);
-  GDALRasterBand* fine = data_->GetRasterBand(1);
-  for (int level = 0; level < static_cast<int>(factors.size()); ++level) {
-    GDALRasterBand* coarse = data_->GetRasterBand(1)->GetOverview(level);
-    HalveInto(fine, coarse, unknown);
-    fine = coarse;
+  for (int band = 1; band <= data_->GetRasterCount(); ++band) {
+    GDALRasterBand* fine = data_->GetRasterBand(band);
+    for (int level = 0; level < static_cast<int>(factors.size()); ++level) {
+      GDALRasterBand* coarse = data_->GetRasterBand(band)->GetOverview(level);
+      HalveInto(fine, coarse, unknown);
+      fine = coarse;
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "formats/atomic_file.h"
 #include "formats/gdal_session.h"
@@ -19,21 +20,25 @@ class GDALRasterBand;
 
 namespace formats {
 
-using CellCode = std::uint8_t (*)(float log_odds);
+using CellCode = std::uint8_t (*)(float value);
 
-// Calls `use` with the codes of rows from the north, a strip at a time.
-void ForEachStrip(const survey::RasterStrips& strips, CellCode code,
+using Layer = std::vector<float> survey::SiteRaster::*;
+
+// Calls `use` with the codes of a layer's rows from the north, a strip at a time.
+void ForEachStrip(const survey::RasterStrips& strips, Layer layer, CellCode code,
                   const std::function<void(int first_row, std::span<std::uint8_t> rows)>& use);
 
 class ScratchRaster {
  public:
   // The copy to `target` is made inside `session`.
-  ScratchRaster(const std::filesystem::path& target, const survey::SiteRaster& frame, const GdalSession& session);
+  ScratchRaster(const std::filesystem::path& target, const survey::SiteRaster& frame, int num_bands,
+                const GdalSession& session);
 
-  // Writes rows from the north; `rows` holds whole rows.
-  void Write(int first_row, std::span<std::uint8_t> rows);
+  // Writes rows from the north; `rows` holds whole rows. Bands count from 1.
+  void Write(int band, int first_row, std::span<std::uint8_t> rows);
 
-  // Overviews down to `smallest` cells, in which a cell takes the largest value below it other than `unknown`.
+  // Overviews of all bands down to `smallest` cells, in which a cell takes the largest value below it other than
+  // `unknown`.
   void BuildOverviews(int smallest, std::uint8_t unknown);
 
   // Copies to the target by a driver of GDAL and puts it in place.

@@ -30,8 +30,8 @@ void DeclareOptions(pipeline::Stage* stage, survey::TrackOptions* options) {
   stage->Option("submap-nodes", &options->submap_nodes, "scans drawn into one submap", {.min = 2});
   stage->Option("search-half-width-m", &options->search_half_width_m, "farthest search when a match is poor (m)",
                 {.min = 0.0});
-  stage->Option("search-half-angle-rad", &options->search_half_angle_rad, "search when a match is poor (rad); twice that where nothing is found",
-                {.min = 0.0});
+  stage->Option("search-half-angle-rad", &options->search_half_angle_rad,
+                "search when a match is poor (rad); twice that where nothing is found", {.min = 0.0});
 }
 
 // The IMU in the units of its data sheet.

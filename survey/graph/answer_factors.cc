@@ -49,8 +49,12 @@ PoseEdge EdgeOf(const Track& track, const Answer& answer, const BlockGraph& bloc
   const Pose2 base_from_reference = Between(Tracked(track, base), Tracked(track, answer.reference));
   const Pose2 scan_from_target = Between(Tracked(track, answer.scan), Tracked(track, target));
   const Eigen::Matrix3d covariance = answer.sigma.cwiseAbs2().asDiagonal();
-  return {block.PoseOf(base), block.PoseOf(target), base_from_reference * answer.reference_from_scan * scan_from_target,
-          RotatedCovariance(covariance, base_from_reference.theta), false, EdgeKind::kAnswer};
+  return {block.PoseOf(base),
+          block.PoseOf(target),
+          base_from_reference * answer.reference_from_scan * scan_from_target,
+          RotatedCovariance(covariance, base_from_reference.theta),
+          false,
+          EdgeKind::kAnswer};
 }
 
 }  // namespace

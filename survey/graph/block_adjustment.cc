@@ -154,7 +154,8 @@ BlockAdjustment Failed(std::string message) { return {.usable = false, .message 
 // The relative observations by kind, and control.
 std::vector<VarianceComponent> Components(const PoseGraph& graph, const GraphCovariance& covariance,
                                           const VarianceComponent& control) {
-  std::vector<VarianceComponent> components = {{.kind = "scan match"}, {.kind = "motion"}, {.kind = "loop"}, {.kind = "answer"}};
+  std::vector<VarianceComponent> components = {
+      {.kind = "scan match"}, {.kind = "motion"}, {.kind = "loop"}, {.kind = "answer"}};
   for (const PoseEdge& edge : graph.edges) {
     VarianceComponent& component = components[static_cast<std::size_t>(edge.kind)];
     ++component.count;

@@ -88,8 +88,7 @@ struct Unknowns {
   void Read(const PoseGraph& graph) {
     for (std::size_t i = 0; i < poses.size(); ++i)
       poses[i] = {graph.poses[i].x, graph.poses[i].y, graph.poses[i].theta};
-    for (std::size_t i = 0; i < points.size(); ++i)
-      points[i] = {graph.points[i].x(), graph.points[i].y()};
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] = {graph.points[i].x(), graph.points[i].y()};
   }
   void Write(PoseGraph* graph) const {
     for (std::size_t i = 0; i < poses.size(); ++i)

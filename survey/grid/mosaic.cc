@@ -2,6 +2,8 @@
 #include "survey/grid/mosaic.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace survey {
 namespace {
@@ -31,6 +33,9 @@ void Add(const SiteRaster& part, SiteRaster* site) {
       if (std::isnan(value)) continue;
       float& sum = site->At(first_column + column, first_row + row);
       sum = std::isnan(sum) ? value : sum + value;
+      if (site->sigma_m.empty()) continue;
+      float& sigma = site->sigma_m[site->Index(first_column + column, first_row + row)];
+      sigma = std::fmax(sigma, part.sigma_m[part.Index(column, row)]);  // NaN only where both are
     }
   }
 }
@@ -46,15 +51,20 @@ void AddRows(const RasterStrips& block, SiteRaster* site) {
 
 RasterStrips MosaicOf(std::vector<RasterStrips> blocks, const MosaicOptions& options) {
   const SiteRaster frame = CommonFrame(blocks);
-  const auto read = [frame, blocks = std::move(blocks), options](std::int64_t min_row, int height) {
-    SiteRaster rows = EmptyRows(frame, min_row, height);
+  const bool has_sigma = !blocks.empty() && std::all_of(blocks.begin(), blocks.end(),
+                                                        [](const RasterStrips& block) { return block.has_sigma; });
+  const auto read = [frame, has_sigma, blocks = std::move(blocks), options](std::int64_t min_row, int height) {
+    SiteRaster rows = RowsOf(frame, min_row, height);
+    const std::size_t cells = static_cast<std::size_t>(rows.width) * static_cast<std::size_t>(height);
+    rows.log_odds.assign(cells, kUnknownLogOdds);
+    if (has_sigma) rows.sigma_m.assign(cells, std::numeric_limits<float>::quiet_NaN());
     for (const RasterStrips& block : blocks) AddRows(block, &rows);
     for (float& value : rows.log_odds) {
       if (!std::isnan(value)) value = std::clamp(value, options.min_log_odds, options.max_log_odds);
     }
     return rows;
   };
-  return {frame, read};
+  return {frame, has_sigma, read};
 }
 
 SiteRaster Mosaic(std::span<const SiteRaster* const> blocks, const MosaicOptions& options) {

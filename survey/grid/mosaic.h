@@ -2,7 +2,8 @@
 //
 // Block maps put together on the site's cell raster ([CN] section 2.4: blocks that are tied to the same control land in
 // one coordinate system and are not matched to each other). Per cell the sum of the blocks' log-odds (independent
-// observations), clamped; NaN where no block saw the cell.
+// observations), clamped; NaN where no block saw the cell. A cell's sigma is the largest of the blocks that saw it;
+// there is none when a block has none.
 #pragma once
 
 #include <span>

@@ -25,7 +25,8 @@ struct ActiveSubmap {
 
 // The covariance of a prediction, scaled so that the pose is no farther off than is likely.
 Eigen::Matrix3d WidenedToHold(const Pose2& pose, const Pose2& predicted, const Eigen::Matrix3d& covariance) {
-  const Eigen::Vector3d offset(pose.x - predicted.x, pose.y - predicted.y, NormalizeAngle(pose.theta - predicted.theta));
+  const Eigen::Vector3d offset(pose.x - predicted.x, pose.y - predicted.y,
+                               NormalizeAngle(pose.theta - predicted.theta));
   const double squared_sigmas = offset.dot(covariance.llt().solve(offset)) / 3.0;
   return covariance * std::max(1.0, squared_sigmas);
 }

@@ -18,16 +18,16 @@ struct TrackOptions {
   TrackingMapOptions map;
   MotionNoise motion;
   InertialOptions inertial;
-  double max_range_m = 30.0;         // beams beyond are not used
-  double insert_distance_m = 0.2;    // a scan is inserted (becomes a node) after this motion ...
-  double insert_angle_rad = 0.09;    // ... or this turn
-  int submap_nodes = 120;            // nodes in a submap; the next one starts at half
-  int min_points = 20;               // fewer end points cannot be matched
+  double max_range_m = 30.0;           // beams beyond are not used
+  double insert_distance_m = 0.2;      // a scan is inserted (becomes a node) after this motion ...
+  double insert_angle_rad = 0.09;      // ... or this turn
+  int submap_nodes = 120;              // nodes in a submap; the next one starts at half
+  int min_points = 20;                 // fewer end points cannot be matched
   double doubtful_score_ratio = 0.75;  // of the recent scores: below, the prediction's surroundings are searched ...
   double poor_score_ratio = 0.6;       // ... and below this the whole window, or as far as a gap of the scans asks for
   double search_half_width_m = 1.0;
   double search_half_angle_rad = 0.6;  // twice that far in the end
-  double min_score_gain = 0.1;  // what a pose far from the prediction must have over the one near to it
+  double min_score_gain = 0.1;         // what a pose far from the prediction must have over the one near to it
 };
 
 // `progress` is called with the number of scans done.

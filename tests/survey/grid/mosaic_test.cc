@@ -73,6 +73,16 @@ TEST(Mosaic, StripsAreTheRowsOfTheWhole) {
   }
 }
 
+TEST(Mosaic, TakesTheLargestSigmaOfTheBlocksThatSawACell) {
+  SiteRaster a = Row(0, 0, {1.0F, 1.0F, kUnknownLogOdds});
+  SiteRaster b = Row(1, 0, {1.0F, 1.0F});
+  a.sigma_m = {0.01F, 0.02F, std::numeric_limits<float>::quiet_NaN()};
+  const std::array<const SiteRaster*, 2> blocks = {&a, &b};
+  EXPECT_TRUE(Mosaic(blocks, {}).sigma_m.empty());
+  b.sigma_m = {0.005F, 0.03F};
+  EXPECT_EQ(Mosaic(blocks, {}).sigma_m, (std::vector<float>{0.01F, 0.02F, 0.03F}));
+}
+
 TEST(Mosaic, OfOneBlockIsTheBlock) {
   const SiteRaster a = Row(7, -3, {1.0F, kUnknownLogOdds, -1.0F});
   const std::array<const SiteRaster*, 1> blocks = {&a};

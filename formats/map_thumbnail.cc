@@ -31,7 +31,7 @@ MapThumbnail ReadMapThumbnail(const std::filesystem::path& file, int max_pixels)
   const GDALDatasetUniquePtr data(
       GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, nullptr, nullptr));
   double transform[6];
-  if (!data || data->GetRasterCount() != 1 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Byte ||
+  if (!data || data->GetRasterCount() > 2 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Byte ||
       data->GetGeoTransform(transform) != CE_None) {
     session.Throw(file, "is not a georeferenced map with occupancy in percent");
   }

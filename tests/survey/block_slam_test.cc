@@ -208,14 +208,14 @@ TEST_F(RingWalk, ExchangedLabelsAndAWrongTimeAreFoundAndExplained) {
       << swapped.solution.marks[2].left_out;
 
   for (Mark& mark : marked.marks) {
-    if (mark.point != "C7") continue;  // written down half a second late, at 1 m/s
+    if (mark.point != "C6") continue;  // written down half a second late, at 1 m/s
     mark.start_ns += 500'000'000;
     mark.end_ns += 500'000'000;
   }
   const BlockAdjustment late = AdjustBlock(TrackBlock(marked, {}), {}, control, Stamps(), {});
   ASSERT_TRUE(late.usable) << late.message;
-  EXPECT_FALSE(late.solution.marks[6].used);
-  EXPECT_NE(late.solution.marks[6].left_out.find("s earlier"), std::string::npos) << late.solution.marks[6].left_out;
+  EXPECT_FALSE(late.solution.marks[5].used);
+  EXPECT_NE(late.solution.marks[5].left_out.find("s earlier"), std::string::npos) << late.solution.marks[5].left_out;
 }
 
 TEST_F(RingWalk, OneControlPointIsRefusedUnlessAllowed) {

@@ -55,7 +55,8 @@ TEST(ControlTie, LeavingOutInClosedFormEqualsSolvingAgain) {
     const Eigen::Vector2d place =
         without.block.graph.poses[static_cast<std::size_t>(edge.pose)] * edge.p_in_pose + solved.offset;
     const MarkTest& test = *tie.marks[mark].test;
-    EXPECT_LT((place - tie.marks[mark].given - test.left_out).norm(), 2e-4) << mark;
+    const double sigma = std::sqrt(test.left_out_covariance.trace());
+    EXPECT_LT((place - tie.marks[mark].given - test.left_out).norm(), 0.03 * sigma) << mark;  // turns are not linear
     // Sigma: that of the place without the mark, and of the mark and the point themselves.
     const auto covariance = GraphCovariance::Of(without.block.graph);
     const double of_pose = covariance->OfPose(edge.pose).topLeftCorner<2, 2>().trace();

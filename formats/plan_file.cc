@@ -43,14 +43,13 @@ std::string Curve(const PlanReport& report) {
     if (i == 0 || report.points[i].rms == 0.0) continue;
     rms += At(x_of(i), y_of(report.points[i].rms)) + " ";
     max += At(x_of(i), y_of(report.points[i].max)) + " ";
-    labels += Label(x_of(i), y_of(report.points[i].rms) - 6.0, Fixed(1000.0 * report.points[i].rms, 1));
+    labels += Label(x_of(i), y_of(report.points[i].rms) + 16.0, Fixed(1000.0 * report.points[i].rms, 1));
   }
   return "<g><path d=\"M" + At(kMargin, kMargin) + " V" + Fixed(kMargin + kPanel, 1) + " H" +
          Fixed(kMargin + kPanel, 1) + "\" class=\"axis\"/>\n<polyline points=\"" + max +
          "\" class=\"max\"/>\n<polyline points=\"" + rms + "\" class=\"rms\"/>\n" + labels +
          Label(kMargin + kPanel / 2.0, kMargin + kPanel + 40.0, "control points") +
-         Label(kMargin, kMargin - 12.0,
-               "predicted sigma of the way (mm): rms (line), largest (dashed); top " + Fixed(top, 0) + " mm", "start") +
+         Label(kMargin, kMargin - 12.0, "predicted sigma (mm): rms, largest dashed; top " + Fixed(top, 0), "start") +
          "</g>\n";
 }
 
@@ -64,8 +63,10 @@ std::string Map(const PlanReport& report) {
   if (report.path.empty()) return "";
   Eigen::Vector2d low = report.path.front().place;
   Eigen::Vector2d high = low;
-  double worst = 0.0;
+  double least = report.path.front().sigma;
+  double worst = least;
   for (const PlanReport::Place& place : report.path) {
+    least = std::min(least, place.sigma);
     low = low.cwiseMin(place.place);
     high = high.cwiseMax(place.place);
     worst = std::max(worst, place.sigma);
@@ -77,15 +78,15 @@ std::string Map(const PlanReport& report) {
   std::string text;
   for (const PlanReport::Place& place : report.path)
     text += Circle(x_of(place.place), y_of(place.place), 3.0,
-                   "fill=\"" + Colour(worst > 0.0 ? place.sigma / worst : 0.0) + "\"");
+                   "fill=\"" + Colour(worst > least ? (place.sigma - least) / (worst - least) : 0.0) + "\"");
   for (const PlanReport::Point& point : report.points) {
     text += Circle(x_of(point.place), y_of(point.place), 6.0, point.existing ? "class=\"old\"" : "class=\"new\"");
     text += Label(x_of(point.place) + 9.0, y_of(point.place) - 7.0, point.name, "start");
   }
   return "<g>" + text +
          Label(left, kMargin - 12.0,
-               "sigma with all points: blue 0, red " + Fixed(1000.0 * worst, 1) + " mm; " + Fixed((high - low).x(), 0) +
-                   " m x " + Fixed((high - low).y(), 0) + " m",
+               "sigma with all points (mm): blue " + Fixed(1000.0 * least, 1) + ", red " + Fixed(1000.0 * worst, 1) +
+                   "; " + Fixed((high - low).x(), 0) + " m x " + Fixed((high - low).y(), 0) + " m",
                "start") +
          "</g>\n";
 }

@@ -16,7 +16,7 @@ using survey::CheckKind;
 using survey::TestedCheck;
 
 constexpr double kMapWidth = 700.0;  // px
-constexpr double kMaxMapHeight = 620.0;
+constexpr double kMaxMapHeight = 560.0;
 constexpr double kLegendHeight = 62.0;
 constexpr double kScatterSize = 330.0;
 constexpr const char* kControlColour = "#1f5fa8";
@@ -175,9 +175,8 @@ std::string ResidualMapSvg(const CertificatePage& page) {
   const Eigen::Vector2d size = view.Size();
   const double longest = LongestVector(page.certificate);
   const double enlargement = longest > 0.0 ? std::max(1.0, RoundDown(70.0 / (longest * view.pixels_per_m))) : 1.0;
-  std::string svg = "<svg viewBox=\"0 0 " + Px(std::max(size.x(), kMapWidth)) + " " + Px(size.y() + kLegendHeight) +
-                    "\" role=\"img\">\n<rect width=\"" + Px(size.x()) + "\" height=\"" + Px(size.y()) +
-                    "\" fill=\"#ececec\"/>\n";
+  std::string svg = BeginSvg({std::max(size.x(), kMapWidth), size.y() + kLegendHeight}) + "<rect width=\"" +
+                    Px(size.x()) + "\" height=\"" + Px(size.y()) + "\" fill=\"#ececec\"/>\n";
   if (page.map) svg += Picture(*page.map, view);
   for (std::size_t i = 0; i < page.trajectories.size(); ++i) {
     svg += Track(page.trajectories[i], view, TrackColour(i));
@@ -201,7 +200,7 @@ std::string ErrorScatterSvg(const Certificate& certificate) {
   const auto at = [&](const Eigen::Vector2d& error) {
     return Eigen::Vector2d(centre + scale * Eigen::Vector2d(error.x(), -error.y()));
   };
-  std::string svg = "<svg viewBox=\"0 0 " + Px(kScatterSize) + " " + Px(kScatterSize + 46) + "\" role=\"img\">\n";
+  std::string svg = BeginSvg({kScatterSize, kScatterSize + 46});
   const double grid = RoundDown(reach / 2);
   for (double x = -std::floor(reach / grid) * grid; x <= reach * 1.0001; x += grid) {
     const double from = 0.46 * kScatterSize / scale;

@@ -445,11 +445,11 @@ std::string CertificateHtml(const CertificatePage& page) {
   const Certificate& c = page.certificate;
   std::string html = Head(page) + StatementSection(c);
   if (c.tied) html += SignatureSection();
-  html += TestedSection(c) + ClassesSection(c) + NotTestedSection(c) + MapSection(page);
+  html += TestedSection(c) + NotTestedSection(c) + MapSection(page);
   html += "<h1 class=\"appendices\">Appendices</h1>\n";
   if (c.since_delivery) html += ChangesSection(*c.since_delivery);
-  html += AnalysisSection(c) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) + FitSection(c) +
-          ReliabilitySection(c.reliability) + ControlListSection(c) + ProvenanceSection(page.provenance);
+  html += ClassesSection(c) + AnalysisSection(c) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) +
+          FitSection(c) + ReliabilitySection(c.reliability) + ControlListSection(c) + ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();
   return html + "</body></html>\n";
 }

@@ -46,13 +46,14 @@ thead { display: table-header-group; }
 .signature div { flex: 1; border-top: .7pt solid #333; font-size: 8pt; color: #555; padding-top: 1mm; }
 figure { margin: 2mm 0; break-inside: avoid; }
 figcaption { font-size: 8.5pt; color: #555; }
-svg { width: 100%; height: auto; display: block; font: 11px "Liberation Sans", Arial, sans-serif; }
+svg { width: 100%; height: auto; display: block; }
 .halo { paint-order: stroke; stroke: white; stroke-width: 2.5px; stroke-linejoin: round; font-size: 10px; }
-.pair { display: grid; grid-template-columns: 35% 63%; gap: 2%; align-items: start; break-inside: avoid; }
+.pair { display: table; width: 100%; break-inside: avoid; }
+.pair > * { display: table-cell; vertical-align: top; }
+.pair figure { width: 36%; padding-right: 2%; }
 .pair table { font-size: 7.8pt; line-height: 1.25; }
 .pair td { padding: .45mm 1.5mm; }
-@media screen { .two { display: grid; grid-template-columns: 1fr 1fr; gap: 4%; } }
-@media print { .two figure { display: inline-block; width: 48%; margin: 0 .5%; } }
+.two figure { display: inline-block; width: 48%; margin: 0 .5%; vertical-align: top; }
 @media print { body { margin: 0; padding: 0; max-width: none; } }
 .small table { font-size: 7.2pt; }
 code { font: 90% "Liberation Mono", monospace; overflow-wrap: anywhere; }

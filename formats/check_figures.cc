@@ -33,8 +33,6 @@ struct Diagram {
   }
 };
 
-std::string Begin() { return "<svg viewBox=\"0 0 " + Px(kWidth) + " " + Px(kHeight) + "\" role=\"img\">\n"; }
-
 // Grid lines at round values with their numbers, the values times `unit`.
 std::string Grid(const Diagram& diagram, const Eigen::Vector2d& unit) {
   std::string svg;
@@ -83,7 +81,7 @@ std::string QuantilePlotSvg(const Certificate& certificate, CheckKind kind) {
   }
   const Diagram diagram{{-2.8, -reach}, {2.8, reach}};
   const double diagonal = std::min(2.8, reach);
-  std::string svg = Begin() + Grid(diagram, {1, 1}) +
+  std::string svg = BeginSvg({kWidth, kHeight}) + Grid(diagram, {1, 1}) +
                     Line(diagram({-diagonal, -diagonal}), diagram({diagonal, diagonal}), "stroke=\"#2c7a2c\"");
   for (std::size_t i = 0; i < east.size(); ++i) {
     const double quantile =
@@ -101,7 +99,7 @@ std::string ControlDistanceSvg(const Certificate& certificate) {
       reach = reach.cwiseMax(Eigen::Vector2d(*check.distance_to_control, check.error.norm()));
   }
   const Diagram diagram{Eigen::Vector2d::Zero(), 1.05 * reach};
-  std::string svg = Begin() + Grid(diagram, {1, 1000});
+  std::string svg = BeginSvg({kWidth, kHeight}) + Grid(diagram, {1, 1000});
   if (certificate.class_m) {
     svg += Line(diagram({0, *certificate.class_m}), diagram({diagram.high.x(), *certificate.class_m}),
                 "stroke=\"#2c7a2c\" stroke-width=\"1.6\" stroke-dasharray=\"6 3\"");

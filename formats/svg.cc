@@ -9,6 +9,11 @@ namespace formats {
 
 std::string Px(double value) { return Fixed(value, 1); }
 
+std::string BeginSvg(const Eigen::Vector2d& size) {
+  return "<svg viewBox=\"0 0 " + Px(size.x()) + " " + Px(size.y()) +
+         "\" role=\"img\" font-size=\"11\" font-family=\"Liberation Sans, Arial, sans-serif\">\n";
+}
+
 std::string Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const std::string& style) {
   return "<line x1=\"" + Px(a.x()) + "\" y1=\"" + Px(a.y()) + "\" x2=\"" + Px(b.x()) + "\" y2=\"" + Px(b.y()) + "\" " +
          style + "/>\n";

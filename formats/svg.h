@@ -13,6 +13,9 @@ namespace formats {
 inline constexpr const char* kCheckColour = "#c0262c";
 
 std::string Px(double value);
+
+// The opening tag. Fonts stand in attributes: not every printer of pages hands style sheets down to drawings.
+std::string BeginSvg(const Eigen::Vector2d& size);
 std::string Line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const std::string& style);
 std::string Circle(const Eigen::Vector2d& centre, double radius, const std::string& style);
 std::string Label(const Eigen::Vector2d& at, const std::string& text, const std::string& style = "");

@@ -111,9 +111,9 @@ std::string ClassesSection(const Certificate& c) {
                   5);
   for (const ClassResult& each : classes) {
     const survey::AccuracyClass& k = each.accuracy_class;
-    table.Row({Escaped(k.standard), Escaped(k.name), StatisticText(k.statistic), Fixed(100 * k.confidence, 0) + "&nbsp;%",
-               Escaped(k.source), Millimetres(k.limit_m), Millimetres(each.value_m),
-               each.upper_95 ? Millimetres(*each.upper_95) : kDash, YesNo(each.meets),
+    table.Row({Escaped(k.standard), Escaped(k.name), StatisticText(k.statistic),
+               Fixed(100 * k.confidence, 0) + "&nbsp;%", Escaped(k.source), Millimetres(k.limit_m),
+               Millimetres(each.value_m), each.upper_95 ? Millimetres(*each.upper_95) : kDash, YesNo(each.meets),
                each.demonstrated ? "<b>yes</b>" : "no"});
   }
   return H2("Classes of standards and contracts") + "<div class=\"small\">" + table.Text() + "</div>" +

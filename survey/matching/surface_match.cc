@@ -94,6 +94,29 @@ Normals Evaluate(const SurfaceMap& map, std::span<const SurfacePoint> points, st
   return result;
 }
 
+// The poses that a search tries: `shifts` steps to either side along x and y, `turns` to the left and right.
+struct SearchSteps {
+  double step_m;
+  double step_rad;
+  int shifts;
+  int turns;
+
+  double Count() const { return std::pow(2.0 * shifts + 1.0, 2) * (2.0 * turns + 1.0); }
+};
+
+// By the map's cells; twice as far where that would be too many poses, which is still within what SurfaceMap::Near
+// tells.
+SearchSteps StepsOf(double cell_size_m, double mean_range_m, double half_width_m, double half_angle_rad) {
+  constexpr double kMostPoses = 50'000;
+  const auto of = [&](double step_m) {
+    const double step_rad = step_m / mean_range_m;
+    return SearchSteps{step_m, step_rad, static_cast<int>(std::ceil(half_width_m / step_m)),
+                       static_cast<int>(std::ceil(half_angle_rad / step_rad))};
+  };
+  const SearchSteps steps = of(cell_size_m);
+  return steps.Count() > kMostPoses ? of(2.0 * cell_size_m) : steps;
+}
+
 }  // namespace
 
 MatchResult MatchToSurfaces(const SurfaceMap* coarse, const SurfaceMap& map,
@@ -146,24 +169,21 @@ std::vector<Pose2> SearchSurfaces(const SurfaceMap& map, std::span<const Surface
   double mean_range = 0.0;
   for (const SurfacePoint& p : points_in_scan) mean_range += static_cast<double>(p.position.norm());
   mean_range = std::max(mean_range / static_cast<double>(points_in_scan.size()), 1.0);
-  const double step_m = map.cell_size_m();
-  const double step_rad = step_m / mean_range;
-  const int shifts = static_cast<int>(std::ceil(half_width_m / step_m));
-  const int turns = static_cast<int>(std::ceil(half_angle_rad / step_rad));
+  const SearchSteps steps = StepsOf(map.cell_size_m(), mean_range, half_width_m, half_angle_rad);
 
   struct Scored {
     int turn, dx, dy, score;
   };
   std::vector<Scored> scored;
   std::vector<Eigen::Vector2f> turned;
-  for (int turn = -turns; turn <= turns; ++turn) {
-    const Eigen::Matrix2f rotation = Rotation2(centre.theta + turn * step_rad).cast<float>();
+  for (int turn = -steps.turns; turn <= steps.turns; ++turn) {
+    const Eigen::Matrix2f rotation = Rotation2(centre.theta + turn * steps.step_rad).cast<float>();
     turned.clear();
     for (std::size_t i = 0; i < points_in_scan.size(); i += stride)
       turned.push_back(rotation * points_in_scan[i].position + centre.Translation().cast<float>());
-    for (int dx = -shifts; dx <= shifts; ++dx) {
-      for (int dy = -shifts; dy <= shifts; ++dy) {
-        const Eigen::Vector2f shift(static_cast<float>(dx * step_m), static_cast<float>(dy * step_m));
+    for (int dx = -steps.shifts; dx <= steps.shifts; ++dx) {
+      for (int dy = -steps.shifts; dy <= steps.shifts; ++dy) {
+        const Eigen::Vector2f shift(static_cast<float>(dx * steps.step_m), static_cast<float>(dy * steps.step_m));
         int score = 0;
         for (const Eigen::Vector2f& p : turned) score += map.Near(p.x() + shift.x(), p.y() + shift.y()) ? 1 : 0;
         scored.push_back({turn, dx, dy, score});
@@ -183,8 +203,8 @@ std::vector<Pose2> SearchSurfaces(const SurfaceMap& map, std::span<const Surface
   }
   std::vector<Pose2> poses;
   for (const Scored& mode : modes) {
-    poses.push_back({centre.x + mode.dx * step_m, centre.y + mode.dy * step_m,
-                     NormalizeAngle(centre.theta + mode.turn * step_rad)});
+    poses.push_back({centre.x + mode.dx * steps.step_m, centre.y + mode.dy * steps.step_m,
+                     NormalizeAngle(centre.theta + mode.turn * steps.step_rad)});
   }
   return poses;
 }

@@ -33,7 +33,8 @@ MatchResult MatchToSurfaces(const SurfaceMap* coarse, const SurfaceMap& map,
                             const Eigen::Matrix3d& prediction_covariance, const SurfaceMatchOptions& options);
 
 // Poses around `centre` from which most points lie on or beside surfaces of the map, best first, some apart from each
-// other: starts for MatchToSurfaces when the prediction is too uncertain.
+// other: starts for MatchToSurfaces when the prediction is too uncertain. They lie within a cell of the best pose, in
+// wide windows within two.
 std::vector<Pose2> SearchSurfaces(const SurfaceMap& map, std::span<const SurfacePoint> points_in_scan,
                                   const Pose2& centre, double half_width_m, double half_angle_rad);
 

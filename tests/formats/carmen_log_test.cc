@@ -111,6 +111,12 @@ TEST_F(CarmenLogTest, OdomLinesComeBeforeEmbeddedPoses) {
   EXPECT_EQ(data.odometry[1].stamp_ns, 5'100'000'000);
 }
 
+TEST_F(CarmenLogTest, APoseThatNeverChangesIsNoOdometry) {
+  EXPECT_TRUE(Read(Flaser("5.0", 180) + Flaser("5.2", 180) + Flaser("5.4", 180)).odometry.empty());
+  const std::string moved = Flaser("5.6", 180, "1", "1.1 2 0.5 1.1 2 0.5");
+  EXPECT_EQ(Read(Flaser("5.0", 180) + Flaser("5.2", 180) + moved).odometry.size(), 3U);
+}
+
 TEST_F(CarmenLogTest, CorrectedLogsDoNotMoveTheLaser) {
   const FieldData data = Read("PARAM robot_frontlaser_offset 0.25 nohost 0\n" + Flaser("5.0", 180, "1", "1 2 0 1 2 0") +
                               Flaser("6.0", 180, "1", "1.5 2 0 1 2 0"));
@@ -208,10 +214,13 @@ TEST_F(CarmenLogTest, AnUnpaddedClockIsRepairedAndPrintedStampsKept) {
     truth.push_back(us * 1000);
     std::string fraction = std::to_string(us % 1'000'000);
     fraction.resize(6, '0');
-    log += Flaser(std::to_string(us / 1'000'000) + "." + fraction, 180, std::to_string(1000 + i) + "e-3");
+    const std::string pose = std::to_string(i) + " 2 0.5";
+    log += Flaser(std::to_string(us / 1'000'000) + "." + fraction, 180, std::to_string(1000 + i) + "e-3",
+                  pose + " " + pose);
   }
   const FieldData data = Read(log);
   ASSERT_EQ(data.scans.size(), truth.size());
+  ASSERT_EQ(data.odometry.size(), truth.size());
   int repaired = 0;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     EXPECT_EQ(data.scans[i].stamp_ns, truth[i]);

@@ -8,6 +8,7 @@
 #include "survey/geometry/rigid_fit.h"
 #include "survey/graph/block_adjustment.h"
 #include "survey/graph/loop_search.h"
+#include "survey/stats/philox.h"
 #include "survey/submaps/block_raster.h"
 #include "survey/submaps/tracker.h"
 #include "tests/support/room.h"
@@ -115,6 +116,50 @@ TEST_F(RingWalk, TrackWorksWithoutOdometry) {
   for (const TrackedScan& scan : lost.scans) tracked.push_back(scan.local_from_scan);
   EXPECT_LT(RmsAfterRigidFit(tracked, *truth), 0.20);
   EXPECT_EQ(lost.scans.back().prediction, Prediction::kConstantVelocity);
+}
+
+// Scans [begin, end) are missing, and the wheels tell nothing of the motion between them.
+Session WithDeniedMotion(Session session, std::vector<Pose2>* truth, std::ptrdiff_t begin, std::ptrdiff_t end) {
+  const Pose2 before = session.odometry[static_cast<std::size_t>(begin - 1)].odom_from_body;
+  const Pose2 behind = session.odometry[static_cast<std::size_t>(end)].odom_from_body;
+  for (std::size_t i = static_cast<std::size_t>(begin); i < session.odometry.size(); ++i) {
+    Pose2& pose = session.odometry[i].odom_from_body;
+    pose = i < static_cast<std::size_t>(end) ? before : before * Between(behind, pose);
+  }
+  session.scans.erase(session.scans.begin() + begin, session.scans.begin() + end);
+  truth->erase(truth->begin() + begin, truth->begin() + end);
+  return session;
+}
+
+std::vector<Pose2> TrackedPoses(const Session& session) {
+  std::vector<Pose2> poses;
+  for (const TrackedScan& scan : TrackBlock(session, {}).scans) poses.push_back(scan.local_from_scan);
+  return poses;
+}
+
+TEST_F(RingWalk, ATurnOf60DegreesThatTheOdometryDeniesIsFound) {
+  std::vector<Pose2> seen = *truth;
+  const Session denied = WithDeniedMotion(*session, &seen, 212, 221);
+  EXPECT_LT(RmsAfterRigidFit(TrackedPoses(denied), seen), 0.10);
+}
+
+TEST_F(RingWalk, TrackFollowsWhereTheOdometryTurnsWithNoiseAndComesLate) {
+  Session noisy = *session;
+  double error_rad = 0.0;
+  for (std::size_t i = 0; i < noisy.odometry.size(); ++i) {
+    const std::size_t shown = i < 3 ? 0 : i - 3;  // 0.3 s
+    error_rad += 0.026 * RandomStream(5, 1, static_cast<std::uint32_t>(i)).Normal(0);
+    noisy.odometry[i].odom_from_body = session->odometry[shown].odom_from_body * Pose2{0.0, 0.0, error_rad};
+  }
+  EXPECT_LT(RmsAfterRigidFit(TrackedPoses(noisy), *truth), 0.15);
+}
+
+TEST(DrawnScans, OnlyTheFirstOfThoseAtRest) {
+  std::vector<Pose2> poses(20, Pose2{1.0, 2.0, 0.5});
+  for (int i = 1; i <= 5; ++i) poses.push_back({1.0 + 0.02 * i, 2.0, 0.5});
+  poses.push_back({1.1, 2.0, 0.51});
+  const std::vector<bool> drawn = DrawnScans(poses);
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(drawn[i], i < 8 || i >= 20) << i;
 }
 
 TEST_F(RingWalk, LoopsCloseTheSecondLapAndAllAreTrue) {

@@ -2,6 +2,7 @@
 #include "survey/submaps/block_raster.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "survey/sensors/scan_points.h"
 #include "survey/submaps/rendering.h"
@@ -42,6 +43,24 @@ SiteRaster CutToObserved(const OccupancyPyramid& grid, std::int64_t offset_colum
 
 }  // namespace
 
+std::vector<bool> DrawnScans(const std::vector<Pose2>& poses) {
+  constexpr double kAtRest_m = 0.01;
+  constexpr double kAtRest_rad = 0.003;
+  constexpr int kMostAtRest = 8;
+  std::vector<bool> drawn(poses.size(), true);
+  std::size_t first = 0;  // of the scans at this place
+  int count = 0;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const Pose2 motion = Between(poses[first], poses[i]);
+    if (motion.Translation().norm() > kAtRest_m || std::abs(motion.theta) > kAtRest_rad) {
+      first = i;
+      count = 0;
+    }
+    drawn[i] = ++count <= kMostAtRest;
+  }
+  return drawn;
+}
+
 SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan, const RenderOptions& options,
                        const std::function<void(std::size_t)>& progress) {
   OccupancyPyramid grid(options.grid);
@@ -59,7 +78,9 @@ SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_fr
   const auto pose_of = [&](std::size_t i) {
     return Pose2{site_from_scan[i].x - offset.x(), site_from_scan[i].y - offset.y(), site_from_scan[i].theta};
   };
+  const std::vector<bool> drawn = DrawnScans(site_from_scan);
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
+    if (!drawn[i]) continue;
     projector.Project(session.scans[i], TwistOfScan(session.scans, pose_of, i), &points);
     const Pose2 pose = pose_of(i);
     TransformPoints(pose, points.hits, &hits);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The map of a block: occupancy rendered from all scans at their final poses on the site's cells.
+// The map of a block: occupancy rendered from the scans at their final poses on the site's cells. Of the scans taken
+// standing still only the first ones are drawn: the others would tell the same again, and of those who walk by.
 #pragma once
 
 #include <functional>
@@ -12,6 +13,10 @@
 #include "survey/sensors/session.h"
 
 namespace survey {
+
+// Which scans are drawn: of those within 1 cm and 0.003 rad (5 cm at 16 m) of where the lidar came to rest, the
+// first 8.
+std::vector<bool> DrawnScans(const std::vector<Pose2>& poses);
 
 struct RenderOptions {
   OccupancyOptions grid{.num_levels = 1};

@@ -23,7 +23,7 @@ struct PlaceOptions {
   double surface_cell_size_m = 0.1;  // as in the track
   double coarse_surface_cell_size_m = 0.4;
   SurfaceMatchOptions match;
-  int draw_every = 2;  // nodes of a submap lie densely: every so many draw it
+  int draw_every = 3;  // nodes of a submap lie densely: every so many draw it
   double point_spacing_m = 0.05;
   int max_points = 180;        // to draw and match
   int max_search_points = 60;  // for branch and bound

@@ -2,8 +2,10 @@
 #include "pipeline/stage_program.h"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "formats/atomic_file.h"
 #include "formats/digest.h"
@@ -46,6 +48,22 @@ bool ReadCache(const fs::path& cache, const std::string& state, StageProgram* pr
   return true;
 }
 
+// What the build wrote down beside the graph, unless the executable is newer.
+std::optional<std::string> AnswerFromTheBuild(const std::string& stage, const fs::path& executable) {
+  const fs::path answer = executable.parent_path().parent_path() / "share" / "plumbline" / "options" / stage;
+  std::error_code error;
+  const fs::file_time_type written = fs::last_write_time(answer, error);
+  if (error || written < fs::last_write_time(executable)) return std::nullopt;
+  return formats::ReadWholeFile(answer);
+}
+
+std::string Ask(const std::string& stage, const fs::path& executable) {
+  if (std::optional<std::string> answer = AnswerFromTheBuild(stage, executable)) return *std::move(answer);
+  const ProgramOutput answer = RunAndRead({executable.string(), "--list-options"});
+  if (answer.status != 0) throw DataError(executable.string() + " --list-options: failed");
+  return answer.out;
+}
+
 }  // namespace
 
 std::string ToLine(const OptionInfo& option) {
@@ -78,13 +96,12 @@ StageProgram AskStageProgram(const std::string& stage, const fs::path& bin_folde
   const fs::path cache = cache_folder / stage;
   if (!cache_folder.empty() && ReadCache(cache, state, &program)) return program;
 
-  const ProgramOutput answer = RunAndRead({executable.string(), "--list-options"});
-  if (answer.status != 0) throw DataError(executable.string() + " --list-options: failed");
-  std::istringstream lines(answer.out);
+  const std::string answer = Ask(stage, executable);
+  std::istringstream lines(answer);
   program.options = OptionsFromLines(lines);
   program.identity = formats::Sha256OfFile(executable);
   if (!cache_folder.empty()) {
-    formats::WriteFileAtomically(cache, state + "\n" + program.identity + "\n" + answer.out);
+    formats::WriteFileAtomically(cache, state + "\n" + program.identity + "\n" + answer);
   }
   return program;
 }

@@ -35,7 +35,8 @@ struct StageProgram {
 };
 
 // Asks bin_folder/plumbline-STAGE, or takes the answer kept in cache_folder if the executable still has the same size
-// and time. DataError when the program is missing. An empty cache_folder: always ask.
+// and time, or the one that the build wrote to ../share/plumbline/options. DataError when the program is missing. An
+// empty cache_folder: always ask.
 StageProgram AskStageProgram(const std::string& stage, const std::filesystem::path& bin_folder,
                              const std::filesystem::path& cache_folder);
 

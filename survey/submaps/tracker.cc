@@ -15,8 +15,6 @@
 namespace survey {
 namespace {
 
-constexpr double kReach_m = 0.5;  // of a match from its prediction; beyond, the surroundings are always searched
-constexpr double kReach_rad = 0.5;
 constexpr double kWidestSearch_m = 2.0;  // behind a gap of the scans
 
 struct ActiveSubmap {
@@ -93,25 +91,22 @@ class Tracker {
   // no help either, farther, because then the prediction is wrong by more than it says.
   MatchResult MatchOrSearch(const TrackingMap& map, const Pose2& start, const PredictedPose& predicted) const {
     MatchResult match = map.Match(prepared_, start, start, predicted.covariance, Start::kPredicted);
+    if (!Below(options_.doubtful_score_ratio, match)) return match;
     const Window likely = {3.0 * std::sqrt(predicted.covariance(0, 0)), 3.0 * std::sqrt(predicted.covariance(2, 2))};
-    const bool within_reach = likely.half_width_m < kReach_m && likely.half_angle_rad < kReach_rad;
-    if (within_reach && !Below(options_.doubtful_score_ratio, match)) return match;
     const Window near = {std::min(likely.half_width_m, options_.search_half_width_m),
-                         std::min(likely.half_angle_rad, options_.search_half_angle_rad), Start::kNear,
-                         within_reach ? options_.min_score_gain : 0.0};
+                         std::min(likely.half_angle_rad, options_.search_half_angle_rad)};
     match = Search(map, start, predicted.covariance, near, match);
     if (!Below(options_.poor_score_ratio, match)) return match;
     const Window far = {std::clamp(likely.half_width_m, options_.search_half_width_m, kWidestSearch_m),
                         std::clamp(likely.half_angle_rad, 2.0 * options_.search_half_angle_rad, std::numbers::pi),
-                        Start::kPredicted, options_.min_score_gain};
+                        Start::kPredicted};
     return Search(map, start, predicted.covariance, far, match);
   }
 
   struct Window {
     double half_width_m;
     double half_angle_rad;
-    Start start = Start::kNear;   // how far off the poses that the search finds may be
-    double min_score_gain = 0.0;  // what another match must have over the one at hand
+    Start start = Start::kNear;  // how far off the poses that the search finds may be
   };
 
   // The best match in a window around the prediction.
@@ -120,7 +115,7 @@ class Tracker {
     MatchResult best = at_hand;
     for (const Pose2& mode : map.Search(prepared_, start, window.half_width_m, window.half_angle_rad)) {
       const MatchResult match = map.Match(prepared_, mode, start, WidenedToHold(mode, start, covariance), window.start);
-      if (match.usable && (!best.usable || match.score > best.score + window.min_score_gain)) best = match;
+      if (match.usable && (!best.usable || match.score > best.score + options_.min_score_gain)) best = match;
     }
     return best;
   }

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/accuracy/contradiction.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "survey/grid/line_cells.h"
+#include "survey/sensors/scan_points.h"
+#include "survey/submaps/rendering.h"
+
+namespace survey {
+namespace {
+
+// Counts of one pass, cells of the common raster from (min_column, min_row) on.
+struct Pass {
+  int min_column = 0;
+  int min_row = 0;
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> hits;
+  std::vector<std::uint8_t> rays;          // that went through
+  std::vector<std::pair<int, int>> walls;  // column, row of the cells hit often enough
+  std::vector<std::uint8_t> near;          // a hit within wall_near_m
+  double begin_m = 0.0;                    // on the path
+  double end_m = 0.0;
+  std::vector<std::size_t> scans;
+
+  // Index of a cell, or -1.
+  std::ptrdiff_t At(int column, int row) const {
+    const int c = column - min_column;
+    const int r = row - min_row;
+    if (c < 0 || r < 0 || c >= width || r >= height) return -1;
+    return static_cast<std::ptrdiff_t>(r) * width + c;
+  }
+};
+
+void Count(std::vector<std::uint8_t>* counts, std::ptrdiff_t cell) {
+  std::uint8_t& count = (*counts)[static_cast<std::size_t>(cell)];
+  if (count < 255) ++count;
+}
+
+std::vector<Pass> CutPath(const std::vector<Pose2>& poses, const ContradictionOptions& options) {
+  std::vector<Pass> passes;
+  double way = 0.0;
+  double drawn = -options.drawn_every_m;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (i > 0) way += (poses[i].Translation() - poses[i - 1].Translation()).norm();
+    if (passes.empty() || way >= passes.back().begin_m + options.piece_m) passes.emplace_back().begin_m = way;
+    passes.back().end_m = way;
+    if (way < drawn + options.drawn_every_m) continue;
+    drawn = way;
+    passes.back().scans.push_back(i);
+  }
+  return passes;
+}
+
+void Bound(const std::vector<Pose2>& poses, const ContradictionOptions& options, Pass* pass) {
+  Eigen::Vector2d low = poses[pass->scans.front()].Translation();
+  Eigen::Vector2d high = low;
+  for (const std::size_t scan : pass->scans) {
+    low = low.cwiseMin(poses[scan].Translation());
+    high = high.cwiseMax(poses[scan].Translation());
+  }
+  const auto cell = [&](double p) { return static_cast<int>(std::floor(p / options.cell_size_m)); };
+  pass->min_column = cell(low.x() - options.max_range_m) - 1;
+  pass->min_row = cell(low.y() - options.max_range_m) - 1;
+  pass->width = cell(high.x() + options.max_range_m) + 2 - pass->min_column;
+  pass->height = cell(high.y() + options.max_range_m) + 2 - pass->min_row;
+  const std::size_t cells = static_cast<std::size_t>(pass->width) * static_cast<std::size_t>(pass->height);
+  pass->hits.assign(cells, 0);
+  pass->rays.assign(cells, 0);
+  pass->near.assign(cells, 0);
+}
+
+void MarkNear(int row, int column, int reach, Pass* pass) {
+  for (int r = std::max(row - reach, 0); r <= std::min(row + reach, pass->height - 1); ++r) {
+    const auto begin = pass->near.begin() + static_cast<std::ptrdiff_t>(r) * pass->width;
+    std::fill(begin + std::max(column - reach, 0), begin + std::min(column + reach + 1, pass->width), 1);
+  }
+}
+
+void FindWalls(const ContradictionOptions& options, Pass* pass) {
+  const int reach = static_cast<int>(std::ceil(options.wall_near_m / options.cell_size_m));
+  std::size_t cell = 0;
+  for (int row = 0; row < pass->height; ++row) {
+    for (int column = 0; column < pass->width; ++column, ++cell) {
+      if (pass->hits[cell] == 0) continue;
+      MarkNear(row, column, reach, pass);
+      if (pass->hits[cell] >= options.min_hits)
+        pass->walls.emplace_back(column + pass->min_column, row + pass->min_row);
+    }
+  }
+}
+
+void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanProjector& projector,
+          const ContradictionOptions& options, Pass* pass) {
+  Bound(poses, options, pass);
+  // Near the origin of the pass single precision is exact enough, also for site coordinates.
+  const Eigen::Vector2d origin(pass->min_column * options.cell_size_m, pass->min_row * options.cell_size_m);
+  const auto cells_per_m = static_cast<float>(1.0 / options.cell_size_m);
+  ScanPoints points;
+  std::vector<Eigen::Vector2f> hits;
+  for (const std::size_t scan : pass->scans) {
+    projector.Project(session.scans[scan],
+                      TwistOfScan(
+                          session.scans, [&](std::size_t i) { return poses[i]; }, scan),
+                      &points);
+    const Pose2 pose{poses[scan].x - origin.x(), poses[scan].y - origin.y(), poses[scan].theta};
+    TransformPoints(pose, points.hits, &hits);
+    const Eigen::Vector2f begin = pose.Translation().cast<float>() * cells_per_m;
+    for (const Eigen::Vector2f& hit : hits) {
+      const Eigen::Vector2f end = hit * cells_per_m;
+      const auto cell = [&](int column, int row) { return pass->At(column + pass->min_column, row + pass->min_row); };
+      ForEachCellOnLine(begin, end, [&](int column, int row) {
+        if (const std::ptrdiff_t at = cell(column, row); at >= 0) Count(&pass->rays, at);
+      });
+      const std::ptrdiff_t at = cell(static_cast<int>(std::floor(end.x())), static_cast<int>(std::floor(end.y())));
+      if (at >= 0) Count(&pass->hits, at);
+    }
+  }
+  FindWalls(options, pass);
+}
+
+// The wall cells of `pass` against what `other` saw there.
+void Compare(const Pass& pass, const Pass& other, const ContradictionOptions& options, Contradiction* sum) {
+  for (const auto& [column, row] : pass.walls) {
+    const std::ptrdiff_t at = other.At(column, row);
+    if (at < 0) continue;
+    const auto there = static_cast<std::size_t>(at);
+    const bool wall = other.near[there] != 0;
+    const bool through = other.rays[there] >= options.min_rays;
+    if (!wall && !through) continue;
+    ++sum->compared;
+    if (!wall) ++sum->contradicted;
+  }
+}
+
+}  // namespace
+
+Contradiction ContradictionOfPasses(const Session& session, const std::vector<Pose2>& poses,
+                                    const ContradictionOptions& options) {
+  std::vector<Pass> passes = CutPath(poses, options);
+  std::erase_if(passes, [](const Pass& pass) { return pass.scans.empty(); });
+  const ScanProjector projector(session.geometries, options.max_range_m, 0.0);
+  tbb::parallel_for(std::size_t{0}, passes.size(),
+                    [&](std::size_t i) { Draw(session, poses, projector, options, &passes[i]); });
+  std::vector<Contradiction> sums(passes.size());
+  tbb::parallel_for(std::size_t{0}, passes.size(), [&](std::size_t i) {
+    for (const Pass& other : passes) {
+      const double apart = std::max(other.begin_m - passes[i].end_m, passes[i].begin_m - other.end_m);
+      if (apart > options.apart_m) Compare(passes[i], other, options, &sums[i]);
+    }
+  });
+  Contradiction total;
+  for (const Contradiction& sum : sums) {
+    total.compared += sum.compared;
+    total.contradicted += sum.contradicted;
+  }
+  return total;
+}
+
+}  // namespace survey

@@ -59,6 +59,15 @@ ReviewRequest RequestOf(const FilterUpdate& worst, int drops) {
   return {worst.scan, "neff", SpreadOf(worst), text};
 }
 
+// Scans without a match from update k - 1 to k, when k itself has one.
+int UnmatchedBefore(const TrajectoryTree& tree, const Track& track, std::size_t k) {
+  const auto scan = [&](std::size_t update) { return static_cast<std::size_t>(tree[update].scan.value); };
+  if (k == 0 || !track.scans[scan(k)].matched) return 0;
+  int unmatched = 0;
+  for (std::size_t i = scan(k - 1) + 1; i < scan(k); ++i) unmatched += track.scans[i].matched ? 0 : 1;
+  return unmatched;
+}
+
 }  // namespace
 
 Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree) {
@@ -86,6 +95,10 @@ void AddFilterRequests(const TrajectoryTree& tree, Track* track) {
     if (tree[k].lost)
       track->requests.push_back(
           {tree[k].scan, "break", 1.0, "no particle explains the scan; all go on with equal weights"});
+    if (const int unmatched = UnmatchedBefore(tree, *track, k); unmatched > 0)
+      track->requests.push_back(
+          {tree[k].scan, "odometry_only", SpreadOf(tree[k]),
+           "the first match behind a stretch without; " + std::to_string(unmatched) + " scans since the last update"});
     if (!tree[k].resampled) continue;
     if (drops > 0 && k - last > kUpdatesBetweenStretches) close();
     if (drops == 0 || SpreadOf(tree[k]) > SpreadOf(tree[worst])) worst = k;

@@ -126,6 +126,7 @@ class Filter {
 
   // Augmented resampling, [AS] eq. (4)-(5): every particle is moved to the answered pose in its own map (the reference
   // scan stands elsewhere in each), blurred by the answer's sigmas, matched and weighted.
+  // The match begins near: walls that were drawn displaced stand a little farther off and must not catch it.
   void SeedAround(const Answer& answer) {
     const std::size_t reference = UpdateAt(answer.reference);
     tbb::parallel_for(std::size_t{0}, particles_.size(), [&](std::size_t i) {
@@ -134,7 +135,8 @@ class Filter {
       const Eigen::Matrix3d covariance =
           RotatedCovariance(answer.sigma.cwiseAbs2().asDiagonal(), map_from_reference.theta);
       const Pose2 start = SamplePose(answered, covariance, Normals(Purpose::kAnswer, answer.scan, i));
-      Move(i, answer.scan, ProposePose(particles_[i].map, surfaces_, start, answered, covariance, options_.proposal));
+      Move(i, answer.scan,
+           ProposePose(particles_[i].map, surfaces_, start, Start::kNear, answered, covariance, options_.proposal));
     });
   }
 
@@ -157,7 +159,7 @@ class Filter {
       const Particle& particle = particles_[i];
       const Pose2 predicted = particle.pose * motion.motion;
       Move(i, scan,
-           ProposePose(particle.map, surfaces_, predicted, predicted,
+           ProposePose(particle.map, surfaces_, predicted, Start::kPredicted, predicted,
                        RotatedCovariance(motion.covariance, particle.pose.theta), options_.proposal));
     });
   }
@@ -244,8 +246,9 @@ std::vector<ScanId> ScansForUpdates(const Track& track, const Answers& answers, 
                                  std::abs(motion.theta) / options.update_angle_rad);
     const bool poor = scan.matched && static_cast<double>(scan.score) < options.poor_score_ratio * usual_score;
     if (scan.matched) usual_score += 0.02 * (static_cast<double>(scan.score) - usual_score);
-    const bool due = part >= (poor ? kSooner : 1.0) || answered[static_cast<std::size_t>(scan.scan.value)];
-    if (!scans.empty() && !due) continue;
+    // Without a match there is nothing to weight or draw: the motion goes on to where matches begin again.
+    const bool due = scan.matched && part >= (poor ? kSooner : 1.0);
+    if (!scans.empty() && !due && !answered[static_cast<std::size_t>(scan.scan.value)]) continue;
     scans.push_back(scan.scan);
     last = scan.local_from_scan;
   }

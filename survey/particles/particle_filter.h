@@ -34,7 +34,8 @@ struct ParticleFilterOptions {
   double unmatched_sigma_rad_per_rtm = 0.05;
 };
 
-// Scans at which the filter is updated, ascending, the first scan being the first; with those of which answers speak.
+// Scans at which the filter is updated, ascending, the first scan being the first; none that the tracker could not
+// match; with those of which answers speak.
 std::vector<ScanId> ScansForUpdates(const Track& track, const Answers& answers, const ParticleFilterOptions& options);
 
 // First scan at which two sets of answers make the filter do something else.

@@ -28,11 +28,11 @@ double ScanLogLikelihood(const SurfaceMap& map, std::span<const SurfacePoint> po
 }
 
 Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> points_in_scan, const Pose2& start,
-                     const Pose2& predicted, const Eigen::Matrix3d& prediction_covariance,
+                     Start kind, const Pose2& predicted, const Eigen::Matrix3d& prediction_covariance,
                      const ProposalOptions& options) {
   Proposal proposal{.mean = predicted, .covariance = prediction_covariance};
-  const MatchResult match =
-      MatchToSurfaces(&map.coarse, map.fine, points_in_scan, start, predicted, prediction_covariance, options.match);
+  const MatchResult match = MatchToSurfaces(kind == Start::kPredicted ? &map.coarse : nullptr, map.fine, points_in_scan,
+                                            start, predicted, prediction_covariance, options.match);
   proposal.score = match.score;
   proposal.matched = match.usable && match.score >= options.min_score;
   if (proposal.matched) {

@@ -10,6 +10,7 @@
 
 #include "survey/geometry/pose2.h"
 #include "survey/matching/surface_match.h"
+#include "survey/submaps/tracking_map.h"
 
 namespace survey {
 
@@ -41,9 +42,9 @@ struct Proposal {
   bool matched = false;     // false: the motion model alone
 };
 
-// The match starts at `start`.
+// The match starts at `start`, near or as far off as a prediction may be.
 Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> points_in_scan, const Pose2& start,
-                     const Pose2& predicted, const Eigen::Matrix3d& prediction_covariance,
+                     Start kind, const Pose2& predicted, const Eigen::Matrix3d& prediction_covariance,
                      const ProposalOptions& options);
 
 // Logarithm of the tempered likelihood of a scan at a pose.

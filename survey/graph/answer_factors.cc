@@ -22,24 +22,31 @@ ScanId NodeNear(const BlockGraph& block, ScanId scan) {
   return after == block.nodes.begin() ? *after : *(after - 1);
 }
 
-// Whether an edge leads from before the stretch to behind its begin: a motion between nodes, or a node in a submap that
-// was begun before.
-bool Crosses(const PoseEdge& edge, const Track& track, const BlockGraph& block, const Answer& stretch) {
-  const auto num_submaps = static_cast<int>(block.num_submaps);
-  if (edge.robust || edge.target < num_submaps) return false;
-  const ScanId to = block.nodes[static_cast<std::size_t>(edge.target - num_submaps)];
-  if (edge.base < num_submaps) {
-    const Submap& submap = track.submaps[static_cast<std::size_t>(edge.base)];
-    return !submap.nodes.empty() && submap.nodes.front() < stretch.scan && !(to < stretch.scan);
-  }
-  const ScanId from = block.nodes[static_cast<std::size_t>(edge.base - num_submaps)];
-  return !(to < stretch.scan) && !(stretch.end < from);
+ScanId NodeOfPose(const BlockGraph& block, int pose) {
+  return block.nodes[static_cast<std::size_t>(pose) - block.num_submaps];
 }
 
+// A node behind the begin of the stretch in a submap that was begun before.
+bool SpansStretch(const PoseEdge& edge, const Track& track, const BlockGraph& block, const Answer& stretch) {
+  const auto num_submaps = static_cast<int>(block.num_submaps);
+  if (edge.robust || edge.base >= num_submaps || edge.target < num_submaps) return false;
+  const Submap& submap = track.submaps[static_cast<std::size_t>(edge.base)];
+  return submap.nodes.front() < stretch.scan && !(NodeOfPose(block, edge.target) < stretch.scan);
+}
+
+bool MovesInStretch(const PoseEdge& edge, const BlockGraph& block, const Answer& stretch) {
+  const auto num_submaps = static_cast<int>(block.num_submaps);
+  if (edge.robust || edge.base < num_submaps || edge.target < num_submaps) return false;
+  return !(NodeOfPose(block, edge.target) < stretch.scan) && !(stretch.end < NodeOfPose(block, edge.base));
+}
+
+// The many nodes of a submap would together hold what each of them holds weakly, so those that span the stretch are let
+// go; the motions in it stay, with the sigmas of odometry.
 void RejectStretch(const Track& track, const Answer& stretch, BlockGraph* block) {
+  std::erase_if(block->graph.edges, [&](const PoseEdge& edge) { return SpansStretch(edge, track, *block, stretch); });
   const Eigen::Vector3d sigma(kRejectedSigma_m, kRejectedSigma_m, kRejectedSigma_rad);
   for (PoseEdge& edge : block->graph.edges) {
-    if (Crosses(edge, track, *block, stretch)) edge.covariance.diagonal() += sigma.cwiseAbs2();
+    if (MovesInStretch(edge, *block, stretch)) edge.covariance.diagonal() += sigma.cwiseAbs2();
   }
 }
 

@@ -19,8 +19,8 @@ struct AnswerTest {
   bool in_conflict = false;
 };
 
-// Widens the observations that lead across rejected stretches, then adds an edge for each answer with a pose. Returns
-// the index of the first of these edges; they stand in the order of the answers.
+// Lets go or widens the observations that lead across rejected stretches, then adds an edge for each answer with a
+// pose. Returns the index of the first of these edges; they stand in the order of the answers.
 std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* block);
 
 // After the adjustment.

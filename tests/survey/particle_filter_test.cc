@@ -239,5 +239,30 @@ TEST_F(RingWalk, TheGraphNamesAGrosslyWrongAnswerAndOnlyThat) {
   for (std::size_t i = 0; i < 5; ++i) EXPECT_EQ(adjusted.answers[i].in_conflict, i == 2) << i;
 }
 
+TEST_F(RingWalk, ARejectedStretchLetsTheGraphTakeTheFaultThere) {
+  const int fault = static_cast<int>(truth->size()) * 6 / 10;
+  const int answered = fault + 120;
+  Track broken = Broken(*local, static_cast<std::size_t>(fault), {0.6, -0.3, 0.1});
+  for (SubmapConstraint& constraint : broken.constraints)
+    constraint.submap_from_scan =
+        Between(broken.submaps[static_cast<std::size_t>(constraint.submap.value)].local_from_submap,
+                broken.scans[static_cast<std::size_t>(constraint.scan.value)].local_from_scan);
+  std::vector<StampNs> stamps;
+  for (const Scan& scan : session->scans) stamps.push_back(scan.stamp_ns);
+  Answers answers = {Correct(answered, answered - static_cast<int>(truth->size()) / 2)};
+  const auto rms = [&] {
+    const BlockAdjustment adjusted = AdjustBlock(broken, {}, {}, stamps, {}, answers);
+    Track moved = broken;
+    for (std::size_t i = 0; i < moved.scans.size(); ++i)
+      moved.scans[i].local_from_scan = adjusted.solution.scans[i].site_from_scan;
+    return RmsAfterRigidFit(moved, *truth);
+  };
+  const double spread_out = rms();
+  answers.insert(answers.begin(),
+                 {.name = "b.json", .scan = {fault - 2}, .decision = Decision::kRejectStretch, .end = {fault + 2}});
+  EXPECT_LT(rms(), 0.5 * spread_out);
+  EXPECT_LT(rms(), 0.2);
+}
+
 }  // namespace
 }  // namespace survey

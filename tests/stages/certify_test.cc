@@ -111,8 +111,9 @@ TEST_F(CertifyStageTest, RefusesAFeatureThatIsControl) {
 }
 
 TEST_F(CertifyStageTest, RepeatsTheSeams) {
-  const std::string seams = R"({"format": "plumbline-seams", "format_version": 1, "seams": [{"blocks": ["B1", "B2"],
-      "overlap_area_m2": 80.5, "contradicted_shares": [0.01, 0.02], "rms_m": null, "patches": [{}, {}]}],
+  const std::string seams = R"({"format": "plumbline-seams", "format_version": 2, "seams": [{"blocks": ["B1", "B2"],
+      "overlap_area_m2": 80.5, "contradicted_shares": [0.01, 0.02], "rms_m": null, "patches": [{}, {}],
+      "sigmas": 3.5, "contradicts": true}],
       "provenance": )" + formats::ToJson(kProvenance).dump() +
                             "}";
   formats::WriteFileAtomically(scratch_ / "seams.json", seams);
@@ -121,6 +122,8 @@ TEST_F(CertifyStageTest, RepeatsTheSeams) {
   ASSERT_EQ(Certificate().stitching.seams.size(), 1U);
   EXPECT_EQ(Certificate().stitching.seams[0].num_windows, 2);
   EXPECT_EQ(Certificate().stitching.seams[0].contradicted_share, 0.02);
+  EXPECT_EQ(Certificate().stitching.seams[0].sigmas, 3.5);
+  EXPECT_EQ(Certificate().stitching.seams[0].contradicts, true);
   formats::WriteFileAtomically(scratch_ / "seams.json", seams.substr(0, 60));
   EXPECT_EQ(Run({"--seams", "seams.json"}).status, 1);
 }

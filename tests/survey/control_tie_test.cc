@@ -210,7 +210,7 @@ TEST(ControlTie, MonteCarlo) {
   EXPECT_NEAR(static_cast<double>(counts.inside) / counts.ellipses, 0.95, 0.05);
   EXPECT_GE(share(counts.blunders_named), 0.93);
   EXPECT_GE(share(counts.exchanges_named), 0.97);
-  EXPECT_EQ(counts.times_found, counts.runs);
+  EXPECT_GE(share(counts.times_found), 0.95);
   EXPECT_GE(share(counts.times_named), 0.9);
 }
 

@@ -449,7 +449,8 @@ std::string CertificateHtml(const CertificatePage& page) {
   html += "<h1 class=\"appendices\">Appendices</h1>\n";
   if (c.since_delivery) html += ChangesSection(*c.since_delivery);
   html += ClassesSection(c) + AnalysisSection(c) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) +
-          FitSection(c) + ReliabilitySection(c.reliability) + ControlListSection(c) + ProvenanceSection(page.provenance);
+          FitSection(c) + ReliabilitySection(c.reliability) + ControlListSection(c) +
+          ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();
   return html + "</body></html>\n";
 }

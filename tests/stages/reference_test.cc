@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Cloud files, and plumbline-reference on the small garage's simulated scanner against the exact truth.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "formats/atomic_file.h"
+#include "formats/cloud_file.h"
+#include "formats/errors.h"
+#include "formats/features_csv.h"
+#include "survey/stats/philox.h"
+#include "tests/support/command.h"
+#include "tests/support/paths.h"
+#include "tests/support/scratch_folder.h"
+
+namespace {
+
+std::vector<Eigen::Vector3d> Read(const std::filesystem::path& file, const std::string& content,
+                                  formats::CloudCount* count = nullptr) {
+  formats::WriteFileAtomically(file, content);
+  std::vector<Eigen::Vector3d> points;
+  const formats::CloudCount counted = formats::ReadCloud(file, [&](const Eigen::Vector3d& p) { points.push_back(p); });
+  if (count != nullptr) *count = counted;
+  return points;
+}
+
+template <typename... Values>
+std::string Bytes(Values... values) {
+  std::string text;
+  (text.append(reinterpret_cast<const char*>(&values), sizeof values), ...);
+  return text;
+}
+
+TEST(CloudFileTest, ReadsPlyAndPcdInBothEncodings) {
+  const test_support::ScratchFolder scratch;
+  const std::vector<Eigen::Vector3d> expected = {{1, 2, 3}, {-4, 0.5, 6}};
+  formats::CloudCount count;
+  const std::string ply =
+      "element vertex 2\nproperty uchar red\nproperty float x\nproperty double y\nproperty float z\n";
+  EXPECT_EQ(Read(scratch / "a.ply", "ply\nformat ascii 1.0\ncomment c\n" + ply + "end_header\n9 1 2 3\n8 -4 0.5 6\n"),
+            expected);
+  const std::string records = Bytes(std::uint8_t{9}, 1.0F, 2.0, 3.0F) + Bytes(std::uint8_t{8}, -4.0F, 0.5, 6.0F);
+  EXPECT_EQ(Read(scratch / "a.ply", "ply\nformat binary_little_endian 1.0\n" + ply + "end_header\n" + records),
+            expected);
+  const std::string pcd =
+      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 3\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 3\nDATA ";
+  EXPECT_EQ(Read(scratch / "a.pcd", pcd + "ascii\n1 2 3 7\nnan nan nan 0\n-4 0.5 6 7\n", &count), expected);
+  EXPECT_EQ(count.num_invalid, 1);
+  const std::uint32_t rgb = 7;
+  EXPECT_EQ(Read(scratch / "a.pcd", pcd + "binary\n" + Bytes(1.0F, 2.0F, 3.0F, rgb) +
+                                        Bytes(std::nanf(""), 0.0F, 0.0F, rgb) + Bytes(-4.0F, 0.5F, 6.0F, rgb)),
+            expected);
+}
+
+TEST(CloudFileTest, RefusesWhatItCannotRead) {
+  const test_support::ScratchFolder scratch;
+  const std::string head = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n";
+  for (const auto& [content, rule] : {std::pair<std::string, std::string>{"", "cut off"},
+                                      {"hello\n", "neither PLY nor PCD"},
+                                      {"ply\nformat binary_big_endian 1.0\n", "little-endian"},
+                                      {head + "end_header\n1 2\n", "has no z"},
+                                      {head + "property float z\nend_header\n1 2\n", "too few values"},
+                                      {head + "property float z\nend_header\nnan 1 2\n", "no finite point"},
+                                      {"ply\nformat ascii 1.0\nelement vertex -1\n", "no number of points"},
+                                      {"VERSION 0.7\nFIELDS x y z\nSIZE 4 4\n", "a word for each field"},
+                                      {"VERSION 0.7\nDATA binary_compressed\n", "ascii or binary"}}) {
+    try {
+      Read(scratch / "a.cloud", content);
+      ADD_FAILURE() << rule;
+    } catch (const formats::DataError& error) {
+      EXPECT_NE(std::string(error.what()).find(rule), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("a.cloud"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(CloudFileTest, DamagedFilesAreReadOrRefused) {
+  const test_support::ScratchFolder scratch;
+  const std::string pcd = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nPOINTS 2\nDATA binary\n" +
+                          Bytes(1.0F, 2.0F, 3.0F) + Bytes(4.0F, 5.0F, 6.0F);
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
+      "property float z\nend_header\n1 2 3\n4 5 6\n";
+  const survey::RandomStream random(9, 0, 0);
+  for (std::uint64_t i = 0; i < 400; ++i) {
+    const auto bits = random.Bits(i);
+    std::string text = i % 2 == 0 ? pcd : ply;
+    text[bits[0] % text.size()] = static_cast<char>(bits[1]);
+    if (bits[2] % 8 == 0) text.resize(bits[3] % text.size());
+    try {
+      EXPECT_LE(Read(scratch / "a.cloud", text).size(), 2U);
+    } catch (const formats::DataError& error) {
+      EXPECT_NE(std::string(error.what()).find("a.cloud"), std::string::npos) << error.what();
+    }
+  }
+}
+
+class ReferenceStageTest : public testing::Test {
+ protected:
+  static const std::filesystem::path& Field() {
+    static const test_support::ScratchFolder scratch;
+    static const std::filesystem::path field = scratch / "field";
+    static const int status =
+        test_support::RunCommand({"plumbline-simulate", "--scenario",
+                                  (test_support::SourceFolder() / "examples/parking-garage/small.toml").string(),
+                                  "--output", field.string()})
+            .status;
+    EXPECT_EQ(status, 0);
+    return field;
+  }
+  test_support::CommandResult Run(const std::string& targets, std::vector<std::string> slice = {"112.6", "114.4"}) {
+    return test_support::RunCommand({"plumbline-reference", "--cloud", (Field() / "reference/cloud.ply").string(),
+                                     "--targets", targets, "--features", (Field() / "control/features.csv").string(),
+                                     "--slice-from-m", slice[0], "--slice-to-m", slice[1], "--output",
+                                     (scratch_ / "out").string()});
+  }
+  test_support::ScratchFolder scratch_;
+};
+
+TEST_F(ReferenceStageTest, FeaturesLieWhereTheyAre) {
+  const test_support::CommandResult result = Run((Field() / "reference/targets.csv").string());
+  ASSERT_EQ(result.status, 0) << result.err;
+  std::map<std::string, Eigen::Vector2d> truth;
+  std::istringstream rows(formats::ReadWholeFile(Field() / "truth/features.csv"));
+  std::string line;
+  std::getline(rows, line);
+  for (std::string name, northing, easting; std::getline(rows, line);) {
+    std::istringstream row(line);
+    std::getline(row, name, ',') && std::getline(row, northing, ',') && std::getline(row, easting, ',');
+    truth[name] = {std::stod(easting), std::stod(northing)};
+  }
+  const std::vector<survey::NamedFeature> features = formats::ReadFeaturesCsv(scratch_ / "out/features.csv");
+  EXPECT_GE(features.size(), truth.size() * 8 / 10) << result.err;
+  double squares = 0.0;
+  for (const survey::NamedFeature& feature : features) {
+    const double error = (feature.position_in_site - truth.at(feature.name)).norm();
+    EXPECT_LT(error, 0.02) << feature.name;
+    squares += error * error;
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(features.size())), 0.006);
+  const std::string before = formats::ReadWholeFile(scratch_ / "out/reference.json");
+  EXPECT_NE(before.find("\"scale_minus_one_ppm\""), std::string::npos);
+  formats::WriteFileAtomically(scratch_ / "two.csv",
+                               "target,northing,easting,elevation,sigma_m,radius_m\nS1,1,2,3,0.003,0.0725\n"
+                               "S2,5,2,3,0.003,0.0725\n");
+  const test_support::CommandResult few = Run((scratch_ / "two.csv").string());
+  EXPECT_EQ(few.status, 1);
+  EXPECT_NE(few.err.find("needs three targets at least, 2 listed"), std::string::npos) << few.err;
+  EXPECT_EQ(Run((Field() / "reference/targets.csv").string(), {"113", "112"}).status, 2);
+  EXPECT_EQ(formats::ReadWholeFile(scratch_ / "out/reference.json"), before);
+}
+
+}  // namespace

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/features/reference_feature.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "survey/accuracy/moments.h"
+#include "survey/geometry/principal_axes.h"
 #include "survey/stats/philox.h"
 
 namespace survey {
@@ -45,9 +45,9 @@ std::vector<Vector2d> NearLine(const std::vector<Vector2d>& points, const Vector
 // Total least squares.
 PointLine FitLine(const std::vector<Vector2d>& points) {
   PointLine line{.middle = MeanOf(points)};
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(SecondMomentAboutMean(points));
-  line.normal = solver.eigenvectors().col(0);
-  line.sigma = std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / static_cast<double>(points.size()));
+  const PrincipalAxes principal = PrincipalAxesOf(SecondMomentAboutMean(points));
+  line.normal = principal.axes.col(0);
+  line.sigma = std::sqrt(std::max(0.0, principal.values[0]) / static_cast<double>(points.size()));
   for (const Vector2d& p : points) {
     line.half_length = std::max(line.half_length, std::abs(line.Along().dot(p - line.middle)));
   }
@@ -68,17 +68,39 @@ std::vector<Vector2d> BestLine(const std::vector<Vector2d>& points, double toler
   return best;
 }
 
-std::vector<PointLine> FindLines(std::vector<Vector2d> points, const ReferenceFeatureOptions& options) {
+double DistanceTo(const PointLine& line, const Vector2d& p) { return std::abs(line.normal.dot(p - line.middle)); }
+
+bool Meet(const PointLine& a, const PointLine& b) {
+  return std::abs(a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x()) >= kMinSine;
+}
+
+// Each face fitted anew to points that no other face could have drawn: those about a corner would tilt it.
+void FitApart(const std::vector<Vector2d>& points, const ReferenceFeatureOptions& options,
+              std::vector<PointLine>* lines) {
+  const std::vector<PointLine> rough = *lines;
+  for (PointLine& line : *lines) {
+    std::vector<Vector2d> members;
+    for (const Vector2d& p : points) {
+      const bool shared = std::any_of(rough.begin(), rough.end(), [&](const PointLine& other) {
+        return Meet(line, other) && DistanceTo(other, p) <= 2.0 * options.tolerance_m;
+      });
+      if (!shared && DistanceTo(line, p) <= options.tolerance_m) members.push_back(p);
+    }
+    if (static_cast<int>(members.size()) >= options.min_points) line = FitLine(members);
+  }
+}
+
+std::vector<PointLine> FindLines(const std::vector<Vector2d>& all, const ReferenceFeatureOptions& options) {
   std::vector<PointLine> lines;
+  std::vector<Vector2d> points = all;
   for (std::uint32_t i = 0; i < kMaxLines && static_cast<int>(points.size()) >= options.min_points; ++i) {
     const std::vector<Vector2d> members = BestLine(points, options.tolerance_m, i);
     if (static_cast<int>(members.size()) < options.min_points) break;
     const PointLine line = FitLine(members);
-    std::erase_if(points, [&](const Vector2d& p) {
-      return std::abs(line.normal.dot(p - line.middle)) <= 1.5 * options.tolerance_m;
-    });
+    std::erase_if(points, [&](const Vector2d& p) { return DistanceTo(line, p) <= 1.5 * options.tolerance_m; });
     if (2.0 * line.half_length >= kMinFace_m) lines.push_back(line);
   }
+  for (int round = 0; round < 2; ++round) FitApart(all, options, &lines);
   return lines;
 }
 
@@ -88,9 +110,9 @@ struct Crossing {
 };
 
 std::optional<Crossing> Cross(const PointLine& a, const PointLine& b) {
+  if (!Meet(a, b)) return std::nullopt;
   Eigen::Matrix2d normals;
   normals << a.normal.transpose(), b.normal.transpose();
-  if (std::abs(normals.determinant()) < kMinSine) return std::nullopt;
   const Eigen::Matrix2d inverse = normals.inverse();
   const Vector2d p = inverse * Vector2d(a.normal.dot(a.middle), b.normal.dot(b.middle));
   const Vector2d variances(a.sigma * a.sigma, b.sigma * b.sigma);

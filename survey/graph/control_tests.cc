@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/graph/control_tests.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
+
+#include "survey/geometry/principal_axes.h"
 
 namespace survey {
 namespace {
@@ -20,7 +23,7 @@ std::vector<Index> RowsOf(const std::vector<int>& marks) {
   return rows;
 }
 
-double SquaredNorm(const Eigen::Vector2d& k, const Eigen::Matrix2d& matrix) { return k.dot(matrix.ldlt().solve(k)); }
+double SquaredNorm(const Eigen::Vector2d& k, const Eigen::Matrix2d& matrix) { return k.dot(matrix.inverse() * k); }
 
 }  // namespace
 
@@ -57,20 +60,20 @@ ErrorTest ControlTests::Test(std::span<const int> marks, const TestLevel& level)
     own_weight += own_covariance_.block<2, 2>(row, row).inverse();
     for (const int b : marks) matrix += weight_.block<2, 2>(row, RowOf(b));
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(matrix);
+  const PrincipalAxes principal = PrincipalAxesOf(matrix);
   ErrorTest test;
   test.degrees_of_freedom = 0;
   for (const int axis : {0, 1}) {
-    if (eigen.eigenvalues()[axis] <= kUncontrolled * own_weight.trace()) continue;
+    if (principal.values[axis] <= kUncontrolled * own_weight.trace()) continue;
     ++test.degrees_of_freedom;
-    const double along = eigen.eigenvectors().col(axis).dot(k);
-    test.t += along * along / eigen.eigenvalues()[axis];
+    const double along = principal.axes.col(axis).dot(k);
+    test.t += along * along / principal.values[axis];
   }
   if (test.degrees_of_freedom < 2) return test;
   test.covariance = matrix.inverse();
   test.error = test.covariance * k;
-  test.minimal_detectable = MinimalDetectableBias(eigen.eigenvalues()[0], NonCentrality(level, 2));
-  test.worst_direction = eigen.eigenvectors().col(0);
+  test.minimal_detectable = MinimalDetectableBias(principal.values[0], NonCentrality(level, 2));
+  test.worst_direction = principal.axes.col(0);
   return test;
 }
 

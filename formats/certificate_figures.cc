@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/certificate_figures.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "formats/html.h"
 #include "formats/svg.h"
+#include "survey/stats/error_ellipse.h"
 
 namespace formats {
 namespace {
@@ -159,12 +159,11 @@ std::string Legend(const CertificatePage& page, const View& view, double enlarge
 
 // Holds 95 % of a normal error; covariance in pixels, north up.
 std::string Ellipse95(const Eigen::Vector2d& centre, const Eigen::Matrix2d& covariance) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-  const Eigen::Vector2d radii = 2.4477 * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::Vector2d along = solver.eigenvectors().col(1);
-  const double turn_deg = -std::atan2(along.y(), along.x()) * 180.0 / M_PI;
-  return "<ellipse rx=\"" + Px(radii.y()) + "\" ry=\"" + Px(radii.x()) + "\" transform=\"translate(" + Px(centre.x()) +
-         " " + Px(centre.y()) + ") rotate(" + Px(turn_deg) + ")\" fill=\"none\" stroke=\"" + kCheckColour +
+  const survey::ErrorEllipse ellipse = survey::EllipseOf(covariance);
+  const double turn_deg = ellipse.azimuth * 180.0 / M_PI - 90.0;
+  return "<ellipse rx=\"" + Px(survey::kEllipse95 * ellipse.semi_major) + "\" ry=\"" +
+         Px(survey::kEllipse95 * ellipse.semi_minor) + "\" transform=\"translate(" + Px(centre.x()) + " " +
+         Px(centre.y()) + ") rotate(" + Px(turn_deg) + ")\" fill=\"none\" stroke=\"" + kCheckColour +
          "\" stroke-dasharray=\"3 2\"/>\n";
 }
 

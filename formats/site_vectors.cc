@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/site_vectors.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
 #include "formats/svg.h"
+#include "survey/stats/error_ellipse.h"
 
 namespace formats {
 namespace {
@@ -13,7 +13,6 @@ namespace {
 using survey::Certificate;
 using survey::TestedCheck;
 
-constexpr double kFactor95 = 2.4477;    // semi-axes of the 95 % ellipse in sigmas, two dimensions
 constexpr double kLongestShare = 0.05;  // of the site's extent, for the longest vector
 constexpr int kEllipseVertices = 48;
 
@@ -46,17 +45,18 @@ VectorFeature Arrow(const Eigen::Vector2d& from, const Eigen::Vector2d& error, d
 
 VectorFeature Ellipse(const std::string& name, const std::string& kind, const Eigen::Vector2d& centre,
                       const Eigen::Matrix2d& covariance, double enlargement) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(covariance);
-  const Eigen::Vector2d radii = kFactor95 * solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::Vector2d major = solver.eigenvectors().col(1), minor = solver.eigenvectors().col(0);
+  const survey::ErrorEllipse standard = survey::EllipseOf(covariance);
+  const double semi_major = survey::kEllipse95 * standard.semi_major;
+  const double semi_minor = survey::kEllipse95 * standard.semi_minor;
+  const Eigen::Vector2d major(std::sin(standard.azimuth), std::cos(standard.azimuth));
+  const Eigen::Vector2d minor(-major.y(), major.x());
   VectorFeature ellipse;
   for (int i = 0; i < kEllipseVertices; ++i) {
     const double t = 2.0 * M_PI * i / kEllipseVertices;
     ellipse.vertices.emplace_back(centre +
-                                  enlargement * (std::cos(t) * radii.y() * major + std::sin(t) * radii.x() * minor));
+                                  enlargement * (std::cos(t) * semi_major * major + std::sin(t) * semi_minor * minor));
   }
-  const double bearing_deg = std::fmod(std::atan2(major.x(), major.y()) * 180.0 / M_PI + 360.0, 180.0);
-  ellipse.values = {name, kind, 1000 * radii.y(), 1000 * radii.x(), bearing_deg, enlargement};
+  ellipse.values = {name, kind, 1000 * semi_major, 1000 * semi_minor, standard.azimuth * 180.0 / M_PI, enlargement};
   return ellipse;
 }
 

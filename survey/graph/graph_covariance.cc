@@ -42,13 +42,4 @@ double GraphCovariance::RedundancyOf(const PoseEdge& edge) const {
   return 3.0 - edge.covariance.llt().solve(of_adjusted).trace();
 }
 
-std::vector<Eigen::Matrix3d> PoseCovariances(const PoseGraph& graph, const std::vector<int>& poses) {
-  const std::optional<GraphCovariance> covariance = GraphCovariance::Of(graph);
-  std::vector<Eigen::Matrix3d> result;
-  if (!covariance) return result;
-  result.reserve(poses.size());
-  for (const int pose : poses) result.push_back(covariance->OfPose(pose));
-  return result;
-}
-
 }  // namespace survey

@@ -36,7 +36,4 @@ class GraphCovariance {
   SelectedInverse inverse_;
 };
 
-// Covariances of some poses, in their order; empty when the normal matrix is singular.
-std::vector<Eigen::Matrix3d> PoseCovariances(const PoseGraph& graph, const std::vector<int>& poses);
-
 }  // namespace survey

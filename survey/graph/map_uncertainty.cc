@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/graph/map_uncertainty.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "survey/geometry/principal_axes.h"
 
 namespace survey {
 namespace {
@@ -29,9 +32,7 @@ double SigmaAt(const Eigen::Vector2d& place, const UncertainPose& pose) {
   Eigen::Matrix<double, 2, 3> by_pose;
   by_pose << 1, 0, -lever.y(), 0, 1, lever.x();
   const Eigen::Matrix2d covariance = by_pose * pose.covariance * by_pose.transpose();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
-  eigen.computeDirect(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues()[1]));
+  return std::sqrt(std::max(0.0, PrincipalAxesOf(covariance).values[1]));
 }
 
 const UncertainPose& Nearest(const Eigen::Vector2d& place, const std::vector<UncertainPose>& poses) {

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "survey/accuracy/distributions.h"
-#include "survey/geometry/principal_axes.h"
 #include "survey/network/datum.h"
 #include "survey/network/dense_solver.h"
 #include "survey/network/nonlinear_solver.h"
@@ -262,17 +261,6 @@ class Adjuster {
 };
 
 }  // namespace
-
-ErrorEllipse EllipseOf(const Eigen::Matrix2d& covariance) {
-  const PrincipalAxes principal = PrincipalAxesOf(covariance);
-  const Eigen::Vector2d major = principal.axes.col(1);
-  double azimuth = std::atan2(major.x(), major.y());
-  if (azimuth < 0.0) azimuth += M_PI;
-  if (azimuth >= M_PI) azimuth -= M_PI;
-  return {.semi_major = std::sqrt(std::max(0.0, principal.values[1])),
-          .semi_minor = std::sqrt(std::max(0.0, principal.values[0])),
-          .azimuth = azimuth};
-}
 
 double NetworkAdjustment::VarianceRatioRoot() const {
   return degrees_of_freedom > 0 ? std::sqrt(chi_square / degrees_of_freedom) : 1.0;

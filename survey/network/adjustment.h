@@ -12,6 +12,7 @@
 #include "survey/network/cofactors.h"
 #include "survey/network/linear_system.h"
 #include "survey/network/network.h"
+#include "survey/stats/error_ellipse.h"
 #include "survey/stats/reliability.h"
 
 namespace survey {
@@ -43,15 +44,6 @@ struct PointResult {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // a priori; zero for what is not adjusted
 };
-
-struct ErrorEllipse {
-  double semi_major = 0.0;  // m
-  double semi_minor = 0.0;
-  double azimuth = 0.0;  // of the major axis, rad clockwise from y (north), [0, pi)
-};
-
-// For covariance in the order x (east), y (north); one sigma.
-ErrorEllipse EllipseOf(const Eigen::Matrix2d& covariance);
 
 struct NetworkAdjustment {
   bool usable = false;

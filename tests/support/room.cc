@@ -23,6 +23,48 @@ std::vector<Wall> FurnishedRoom() {
   return walls;
 }
 
+std::vector<Wall> Ring() {
+  std::vector<Wall> walls = Outline({{-12, -9}, {12, -9}, {12, 9}, {-12, 9}});
+  for (const auto& wall : Outline({{-9, -6},
+                                   {-2, -6},
+                                   {-2, -5},
+                                   {-1, -5},
+                                   {-1, -6},
+                                   {9, -6},
+                                   {9, 6},
+                                   {3, 6},
+                                   {3, 5.2},
+                                   {1.5, 5.2},
+                                   {1.5, 6},
+                                   {-9, 6},
+                                   {-9, 2},
+                                   {-8.4, 2},
+                                   {-8.4, 1},
+                                   {-9, 1}}))
+    walls.push_back(wall);
+  for (const auto& wall : Outline({{5, 8.6}, {5.5, 8.6}, {5.5, 9}, {5, 9}})) walls.push_back(wall);
+  for (const auto& wall : Outline({{-5, -9}, {-4.2, -9}, {-4.2, -8.5}, {-5, -8.5}})) walls.push_back(wall);
+  for (const auto& wall : Outline({{11.5, -2}, {12, -2}, {12, -1}, {11.5, -1}})) walls.push_back(wall);
+  return walls;
+}
+
+std::vector<survey::Pose2> LapsOfTheRing(int laps) {
+  const std::vector<Eigen::Vector2d> corners = {{-10.5, -7.5}, {10.5, -7.5}, {10.5, 7.5}, {-10.5, 7.5}};
+  std::vector<survey::Pose2> poses;
+  for (int k = 0; k < 4 * laps; ++k) {
+    const Eigen::Vector2d from = corners[static_cast<std::size_t>(k % 4)];
+    const Eigen::Vector2d to = corners[static_cast<std::size_t>((k + 1) % 4)];
+    const double heading = std::atan2(to.y() - from.y(), to.x() - from.x());
+    const int steps = static_cast<int>((to - from).norm() / 0.1);
+    for (int i = 0; i < steps; ++i) {
+      const Eigen::Vector2d p = from + (to - from) * (static_cast<double>(i) / steps);
+      poses.push_back({p.x(), p.y(), heading});
+    }
+    for (int i = 0; i < 15; ++i) poses.push_back({to.x(), to.y(), heading + i * 0.1047});
+  }
+  return poses;
+}
+
 std::vector<float> SimulateRanges(const std::vector<Wall>& walls, const survey::Pose2& world_from_lidar,
                                   const survey::ScanGeometry& geometry, double sigma_m, std::uint32_t seed) {
   const survey::RandomStream noise(20, 1, seed);

@@ -22,6 +22,10 @@ std::vector<Wall> Outline(const std::vector<Eigen::Vector2d>& corners);
 // A room of 12 m x 8 m with an alcove and two pillars: no symmetry, every direction determined.
 std::vector<Wall> FurnishedRoom();
 
+// A ring of four corridors, 3 m wide, with niches so that no corridor is featureless; and the platform's way around it.
+std::vector<Wall> Ring();
+std::vector<survey::Pose2> LapsOfTheRing(int laps);
+
 // Ranges of a scanner with the given geometry at a pose, exact but for `sigma_m` of normal noise (numbered by `seed`).
 std::vector<float> SimulateRanges(const std::vector<Wall>& walls, const survey::Pose2& world_from_lidar,
                                   const survey::ScanGeometry& geometry, double sigma_m, std::uint32_t seed);

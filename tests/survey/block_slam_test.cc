@@ -16,50 +16,6 @@
 namespace survey {
 namespace {
 
-// Two laps of a ring of four corridors, 3 m wide, with niches so that no corridor is featureless.
-std::vector<test_support::Wall> Ring() {
-  std::vector<test_support::Wall> walls = test_support::Outline({{-12, -9}, {12, -9}, {12, 9}, {-12, 9}});
-  for (const auto& wall : test_support::Outline({{-9, -6},
-                                                 {-2, -6},
-                                                 {-2, -5},
-                                                 {-1, -5},
-                                                 {-1, -6},
-                                                 {9, -6},
-                                                 {9, 6},
-                                                 {3, 6},
-                                                 {3, 5.2},
-                                                 {1.5, 5.2},
-                                                 {1.5, 6},
-                                                 {-9, 6},
-                                                 {-9, 2},
-                                                 {-8.4, 2},
-                                                 {-8.4, 1},
-                                                 {-9, 1}}))
-    walls.push_back(wall);
-  for (const auto& wall : test_support::Outline({{5, 8.6}, {5.5, 8.6}, {5.5, 9}, {5, 9}})) walls.push_back(wall);
-  for (const auto& wall : test_support::Outline({{-5, -9}, {-4.2, -9}, {-4.2, -8.5}, {-5, -8.5}}))
-    walls.push_back(wall);
-  for (const auto& wall : test_support::Outline({{11.5, -2}, {12, -2}, {12, -1}, {11.5, -1}})) walls.push_back(wall);
-  return walls;
-}
-
-std::vector<Pose2> LapsOfTheRing(int laps) {
-  const std::vector<Eigen::Vector2d> corners = {{-10.5, -7.5}, {10.5, -7.5}, {10.5, 7.5}, {-10.5, 7.5}};
-  std::vector<Pose2> poses;
-  for (int k = 0; k < 4 * laps; ++k) {
-    const Eigen::Vector2d from = corners[static_cast<std::size_t>(k % 4)];
-    const Eigen::Vector2d to = corners[static_cast<std::size_t>((k + 1) % 4)];
-    const double heading = std::atan2(to.y() - from.y(), to.x() - from.x());
-    const int steps = static_cast<int>((to - from).norm() / 0.1);
-    for (int i = 0; i < steps; ++i) {
-      const Eigen::Vector2d p = from + (to - from) * (static_cast<double>(i) / steps);
-      poses.push_back({p.x(), p.y(), heading});
-    }
-    for (int i = 0; i < 15; ++i) poses.push_back({to.x(), to.y(), heading + i * 0.1047});
-  }
-  return poses;
-}
-
 double RmsAfterRigidFit(const std::vector<Pose2>& estimated, const std::vector<Pose2>& truth) {
   std::vector<Eigen::Vector2d> a;
   std::vector<Eigen::Vector2d> b;
@@ -72,8 +28,8 @@ double RmsAfterRigidFit(const std::vector<Pose2>& estimated, const std::vector<P
 
 struct RingWalk : public testing::Test {
   static void SetUpTestSuite() {
-    truth = new std::vector<Pose2>(LapsOfTheRing(2));
-    session = new Session(test_support::SimulateSession(Ring(), *truth, 10.0, 0.01, 1.03, 0.01));
+    truth = new std::vector<Pose2>(test_support::LapsOfTheRing(2));
+    session = new Session(test_support::SimulateSession(test_support::Ring(), *truth, 10.0, 0.01, 1.03, 0.01));
     track = new Track(TrackBlock(*session, {}));
   }
   static void TearDownTestSuite() {

@@ -79,47 +79,6 @@ TEST(SurfaceMap, ACopyDrawsWithoutChangingTheOriginal) {
   EXPECT_EQ(copy.Nearest({1.0F, 7.0F}, {-1.0F, 0.0F}), shared);  // another tile, still common
 }
 
-// Two laps around a block of rooms, 3 m wide corridors with niches.
-std::vector<test_support::Wall> Ring() {
-  std::vector<test_support::Wall> walls = test_support::Outline({{-12, -9}, {12, -9}, {12, 9}, {-12, 9}});
-  for (const auto& wall : test_support::Outline({{-9, -6},
-                                                 {-2, -6},
-                                                 {-2, -5},
-                                                 {-1, -5},
-                                                 {-1, -6},
-                                                 {9, -6},
-                                                 {9, 6},
-                                                 {3, 6},
-                                                 {3, 5.2},
-                                                 {1.5, 5.2},
-                                                 {1.5, 6},
-                                                 {-9, 6},
-                                                 {-9, 2},
-                                                 {-8.4, 2},
-                                                 {-8.4, 1},
-                                                 {-9, 1}}))
-    walls.push_back(wall);
-  for (const auto& wall : test_support::Outline({{11.5, -2}, {12, -2}, {12, -1}, {11.5, -1}})) walls.push_back(wall);
-  return walls;
-}
-
-std::vector<Pose2> Laps(int laps) {
-  const std::vector<Eigen::Vector2d> corners = {{-10.5, -7.5}, {10.5, -7.5}, {10.5, 7.5}, {-10.5, 7.5}};
-  std::vector<Pose2> poses;
-  for (std::size_t k = 0; k < 4 * static_cast<std::size_t>(laps); ++k) {
-    const Eigen::Vector2d& from = corners[k % 4];
-    const Eigen::Vector2d& to = corners[(k + 1) % 4];
-    const double heading = std::atan2(to.y() - from.y(), to.x() - from.x());
-    const int steps = static_cast<int>((to - from).norm() / 0.15);
-    for (int i = 0; i < steps; ++i) {
-      const Eigen::Vector2d p = from + (to - from) * (static_cast<double>(i) / steps);
-      poses.push_back({p.x(), p.y(), heading});
-    }
-    for (int i = 0; i < 10; ++i) poses.push_back({to.x(), to.y(), heading + i * 0.157});
-  }
-  return poses;
-}
-
 double RmsAfterRigidFit(const Track& track, const std::vector<Pose2>& truth) {
   std::vector<Eigen::Vector2d> a;
   std::vector<Eigen::Vector2d> b;
@@ -142,8 +101,8 @@ Track Broken(const Track& track, std::size_t scan, const Pose2& fault) {
 
 struct RingWalk : public testing::Test {
   static void SetUpTestSuite() {
-    truth = new std::vector<Pose2>(Laps(2));
-    session = new Session(test_support::SimulateSession(Ring(), *truth, 10.0, 0.01, 1.03, 0.01));
+    truth = new std::vector<Pose2>(test_support::LapsOfTheRing(2));
+    session = new Session(test_support::SimulateSession(test_support::Ring(), *truth, 10.0, 0.01, 1.03, 0.01));
     local = new Track(TrackBlock(*session, {}));
   }
   static TrajectoryTree Run(const Track& track, const Answers& answers, int particles = 20) {

@@ -125,12 +125,10 @@ TEST(PoseGraph, CovariancesEqualTheDenseInverse) {
   }
   normal.block<4, 4>(9, 9) += of_given.inverse();
   const Eigen::MatrixXd inverse = normal.inverse();
-  const std::vector<Eigen::Matrix3d> computed = PoseCovariances(graph, {0, 1, 2});
-  ASSERT_EQ(computed.size(), 3U);
-  for (int i = 0; i < 3; ++i) {
-    EXPECT_LT((computed[static_cast<std::size_t>(i)] - inverse.block<3, 3>(3 * i, 3 * i)).norm(),
-              1e-9 * inverse.norm());
-  }
+  const std::optional<GraphCovariance> computed = GraphCovariance::Of(graph);
+  ASSERT_TRUE(computed);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_LT((computed->OfPose(i) - inverse.block<3, 3>(3 * i, 3 * i)).norm(), 1e-9 * inverse.norm());
 }
 
 // Redundancy numbers of all observations sum to the degrees of freedom.
@@ -235,8 +233,7 @@ TEST(ChordalStart, IsExactWithoutNoiseHoweverFarOffThePosesAre) {
 TEST(PoseGraph, WithoutDatumThereAreNoCovariances) {
   PoseGraph graph = NoisyWalk(1, 0.02, 0.005);
   graph.fixed_pose.reset();
-  const std::vector<Eigen::Matrix3d> covariances = PoseCovariances(graph, {3});
-  EXPECT_TRUE(covariances.empty());
+  EXPECT_FALSE(GraphCovariance::Of(graph));
 }
 
 }  // namespace

@@ -222,8 +222,8 @@ std::string ErrorScatterSvg(const Certificate& certificate) {
     svg += Label({40, y + 4}, "class, RMSE_H " + Fixed(class_m * 100, 1) + " cm");
   }
   if (ce95) {
-    svg += Line({178, y}, {204, y}, std::string("stroke=\"") + kCheckColour + "\"");
-    svg += Label({210, y + 4}, "95 % circle " + Fixed(*ce95 * 100, 1) + " cm, ellipse");
+    svg += Line({152, y}, {172, y}, std::string("stroke=\"") + kCheckColour + "\"");
+    svg += Label({177, y + 4}, "95 % circle " + Fixed(*ce95 * 100, 1) + " cm, ellipse");
   }
   return svg + ScaleBar({8, y + 20}, grid * scale, LengthText(grid) + " (grid)", "#222") + "</svg>\n";
 }

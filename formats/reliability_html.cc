@@ -52,8 +52,9 @@ HtmlTable BlocksTable(const std::vector<BlockReliability>& blocks) {
     const survey::ControlVerdict& v = block.verdict;
     std::string components;
     for (const survey::VarianceComponent& component : block.components)
-      components += (components.empty() ? "" : ", ") + Escaped(component.kind) + " " + Fixed(component.factor, 2) +
-                    " (" + Fixed(component.redundancy, 0) + ")";
+      components += (components.empty() ? "" : ", ") + Escaped(component.kind) + " " +
+                    Fixed(component.factor, component.factor < 0.1 ? 3 : 2) + " (" + Fixed(component.redundancy, 0) +
+                    ")";
     table.Row({Escaped(block.block), Fixed(v.free_sigma_zero, 2), Millimetres(v.rigid_rms),
                Fixed(1e6 * v.scale_deviation, 0) + " &plusmn; " + Fixed(1e6 * v.scale_sigma, 0), Fixed(v.chi_square, 1),
                std::to_string(v.degrees_of_freedom),

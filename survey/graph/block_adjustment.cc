@@ -162,6 +162,7 @@ std::vector<VarianceComponent> Components(const PoseGraph& graph, const GraphCov
     component.redundancy += covariance.RedundancyOf(edge);
     component.factor += SquaredNormalisedResidual(edge, graph.poses);
   }
+  std::erase_if(components, [](const VarianceComponent& component) { return component.count == 0; });
   for (VarianceComponent& component : components)
     component.factor = component.redundancy > 0.0 ? component.factor / component.redundancy : 0.0;
   if (control.count > 0) components.push_back(control);

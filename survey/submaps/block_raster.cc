@@ -43,20 +43,27 @@ SiteRaster CutToObserved(const OccupancyPyramid& grid, std::int64_t offset_colum
 
 }  // namespace
 
-std::vector<bool> DrawnScans(const std::vector<Pose2>& poses) {
+std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double cell_size_m) {
   constexpr double kAtRest_m = 0.01;
   constexpr double kAtRest_rad = 0.003;
   constexpr int kMostAtRest = 8;
+  constexpr double kTurned_rad = 0.01;
+  const auto near = [&](std::size_t i, std::size_t j, double distance_m, double angle_rad) {
+    const Pose2 motion = Between(poses[i], poses[j]);
+    return motion.Translation().norm() <= distance_m && std::abs(motion.theta) <= angle_rad;
+  };
   std::vector<bool> drawn(poses.size(), true);
   std::size_t first = 0;  // of the scans at this place
+  std::size_t last = 0;   // drawn before
   int count = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const Pose2 motion = Between(poses[first], poses[i]);
-    if (motion.Translation().norm() > kAtRest_m || std::abs(motion.theta) > kAtRest_rad) {
+    if (!near(first, i, kAtRest_m, kAtRest_rad)) {
       first = i;
       count = 0;
     }
-    drawn[i] = ++count <= kMostAtRest;
+    const bool at_rest = ++count > 1;
+    drawn[i] = at_rest ? count <= kMostAtRest : i == 0 || !near(last, i, cell_size_m, kTurned_rad);
+    if (drawn[i]) last = i;
   }
   return drawn;
 }
@@ -78,7 +85,7 @@ SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_fr
   const auto pose_of = [&](std::size_t i) {
     return Pose2{site_from_scan[i].x - offset.x(), site_from_scan[i].y - offset.y(), site_from_scan[i].theta};
   };
-  const std::vector<bool> drawn = DrawnScans(site_from_scan);
+  const std::vector<bool> drawn = DrawnScans(site_from_scan, cell);
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
     if (!drawn[i]) continue;
     projector.Project(session.scans[i], TwistOfScan(session.scans, pose_of, i), &points);

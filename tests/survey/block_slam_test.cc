@@ -112,10 +112,17 @@ TEST_F(RingWalk, TrackFollowsWhereTheOdometryTurnsWithNoiseAndComesLate) {
 
 TEST(DrawnScans, OnlyTheFirstOfThoseAtRest) {
   std::vector<Pose2> poses(20, Pose2{1.0, 2.0, 0.5});
-  for (int i = 1; i <= 5; ++i) poses.push_back({1.0 + 0.02 * i, 2.0, 0.5});
-  poses.push_back({1.1, 2.0, 0.51});
-  const std::vector<bool> drawn = DrawnScans(poses);
+  for (int i = 1; i <= 5; ++i) poses.push_back({1.0 + 0.06 * i, 2.0, 0.5});
+  poses.push_back({1.3, 2.0, 0.52});
+  const std::vector<bool> drawn = DrawnScans(poses, 0.05);
   for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(drawn[i], i < 8 || i >= 20) << i;
+}
+
+TEST(DrawnScans, OneForEachCellOfTheWay) {
+  std::vector<Pose2> poses;
+  for (int i = 0; i < 100; ++i) poses.push_back({0.02 * i, 0.0, 0.0});
+  const std::vector<bool> drawn = DrawnScans(poses, 0.05);
+  for (std::size_t i = 0; i < poses.size(); ++i) EXPECT_EQ(drawn[i], i % 3 == 0) << i;
 }
 
 TEST_F(RingWalk, LoopsCloseTheSecondLapAndAllAreTrue) {

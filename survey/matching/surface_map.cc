@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
+#include <numeric>
 
 namespace survey {
 namespace {
@@ -88,16 +89,23 @@ Eigen::Vector2f NormalAt(std::span<const Eigen::Vector2f> hits, std::size_t i, f
   return normal.dot(hits[i]) > 0.0F ? Eigen::Vector2f(-normal) : normal;
 }
 
+// Leaves of the hits, numbered by `kept` in their order, those that lie at least the spacing from the last one left.
+void ThinOut(std::span<const Eigen::Vector2f> hits, float spacing, std::vector<std::size_t>* kept) {
+  std::size_t count = 0;
+  for (const std::size_t i : *kept) {
+    if (count == 0 || (hits[i] - hits[(*kept)[count - 1]]).squaredNorm() >= spacing * spacing) (*kept)[count++] = i;
+  }
+  kept->resize(count);
+}
+
 }  // namespace
 
 void SurfacePointsOfScan(std::span<const Eigen::Vector2f> hits, double spacing_m, std::size_t max_points,
                          std::vector<SurfacePoint>* points) {
-  std::vector<std::size_t> kept;
+  std::vector<std::size_t> kept(hits.size());
+  std::iota(kept.begin(), kept.end(), std::size_t{0});
   for (auto spacing = static_cast<float>(spacing_m);; spacing *= 1.4142135F) {
-    kept.clear();
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-      if (kept.empty() || (hits[i] - hits[kept.back()]).squaredNorm() >= spacing * spacing) kept.push_back(i);
-    }
+    ThinOut(hits, spacing, &kept);
     if (max_points == 0 || kept.size() <= max_points) break;
   }
   points->clear();

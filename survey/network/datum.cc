@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/network/datum.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 
@@ -113,13 +114,11 @@ std::vector<std::string> Words(const Eigen::MatrixXd& combinations) {
 // Motions that leave all unknowns where they are (heights in a plane network) are no defect: their columns go.
 Eigen::MatrixXd Independent(const Eigen::MatrixXd& basis, Eigen::MatrixXd* combinations) {
   if (basis.cols() == 0) return basis;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(basis.transpose() * basis, Eigen::ComputeFullV);
-  Eigen::Index rank = 0;
-  while (rank < basis.cols() && svd.singularValues()[rank] > kNoMotion * std::max(1.0, svd.singularValues()[0])) {
-    ++rank;
-  }
-  *combinations = *combinations * svd.matrixV().leftCols(rank);
-  return basis * svd.matrixV().leftCols(rank);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(basis.transpose() * basis);
+  const Eigen::VectorXd& sizes = eigen.eigenvalues();
+  const Eigen::Index rank = (sizes.array() > kNoMotion * std::max(1.0, sizes.maxCoeff())).count();
+  *combinations = *combinations * eigen.eigenvectors().rightCols(rank);
+  return basis * eigen.eigenvectors().rightCols(rank);
 }
 
 }  // namespace
@@ -161,7 +160,9 @@ DatumTransformation::DatumTransformation(const Datum& datum) : basis_(datum.basi
   for (Eigen::Index k = 0; k < selector_.rows(); ++k) {
     if (!datum.defines[static_cast<std::size_t>(k)]) selector_.row(k).setZero();
   }
-  if (basis_.cols() > 0) selector_ *= (basis_.transpose() * selector_).inverse();
+  if (basis_.cols() == 0) return;
+  const Eigen::MatrixXd common = selector_.transpose() * basis_;
+  selector_ = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(common).solve(selector_.transpose()).transpose();
 }
 
 Eigen::VectorXd DatumTransformation::operator()(const Eigen::VectorXd& x) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/network/plane_piece.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <cmath>
 
 namespace survey {
@@ -204,16 +204,16 @@ std::optional<Vector2d> PlanePiece::ByResection(int point) const {
     double size = 0.0;
     for (const Ray* ray : rays) size = std::max(size, (At(ray->target) - centre).norm());
     if (size == 0.0) continue;
-    Eigen::MatrixXd equations(std::max<std::size_t>(rays.size(), 4), 4);
-    equations.setZero();
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-      const Vector2d t = (At(rays[i]->target) - centre) / size;
-      const double s = std::sin(rays[i]->reading), c = std::cos(rays[i]->reading);
-      equations.row(static_cast<Eigen::Index>(i)) << t.x() * c - t.y() * s, -t.x() * s - t.y() * c, c, s;
+    Eigen::Matrix4d squares = Eigen::Matrix4d::Zero();  // of the equations e u = 0, one by ray
+    for (const Ray* ray : rays) {
+      const Vector2d t = (At(ray->target) - centre) / size;
+      const double s = std::sin(ray->reading), c = std::cos(ray->reading);
+      const Eigen::Vector4d e(t.x() * c - t.y() * s, -t.x() * s - t.y() * c, c, s);
+      squares += e * e.transpose();
     }
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(equations, Eigen::ComputeFullV);
-    if (svd.singularValues()[2] < 1e-3 * svd.singularValues()[0]) continue;  // near the danger circle
-    const Eigen::Vector4d u = svd.matrixV().col(3);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(squares);
+    if (eigen.eigenvalues()[1] < 1e-6 * eigen.eigenvalues()[3]) continue;  // near the danger circle
+    const Eigen::Vector4d u = eigen.eigenvectors().col(0);
     const double norm = u[0] * u[0] + u[1] * u[1];
     if (norm < 1e-12) continue;
     const Vector2d place((-u[0] * u[2] + u[1] * u[3]) / norm, (u[1] * u[2] + u[0] * u[3]) / norm);

@@ -64,15 +64,16 @@ endef
 
 define stage-rules
 work/.stamps/$(3): $($(3).inputs) $(call changed-command,$(3)) $(call missing-output,$(3))
-	$$(info $(strip $(2) $(1)))$$(file >work/.stamps/.$(3),$($(3).command))
-	$$(file >work/.stamps/.$(3).toml,$$(file <$($(3).slice)))
+	$$(info $(strip $(2) $(1)))$$(file >work/.stamps/begun/$(3),$($(3).command))
+	$$(file >work/.stamps/begun/$(3).toml,$$(file <$($(3).slice)))
 	@$$(LAUNCH) $($(3).command) --log logs/$(3).log --threads $$(PLUMBLINE_THREADS)
-	@mv -f work/.stamps/.$(3).toml work/.stamps/$(3).toml && mv -f work/.stamps/.$(3) work/.stamps/$(3)
+	@mv -f work/.stamps/begun/$(3).toml work/.stamps/begun/$(3) work/.stamps
 $($(3).outputs): work/.stamps/$(3) ; @:
 $(1): $($(3).outputs)
 endef
 
-changed-command = $(if $(call same,$($(1).command),$(file <work/.stamps/$(1))),,FORCE)
+# `strip`: GNU make 4.3 now and then leaves the newline at the end of a file that it reads.
+changed-command = $(if $(call same,$($(1).command),$(strip $(file <work/.stamps/$(1)))),,FORCE)
 same = $(and $(findstring |$(1)|,|$(2)|),$(findstring |$(2)|,|$(1)|))
 missing-output = $(if $(filter-out $(wildcard $($(1).outputs)),$($(1).outputs)),FORCE)
 

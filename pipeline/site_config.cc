@@ -215,7 +215,7 @@ void ConfigureSite(const fs::path& site, const GraphStages& stages) {
   }
   WriteSlices(site / "work" / "config", ConfigSlices(site_file, {}, stages));
   WriteSourceStates(site);
-  for (const char* folder : {"work/.stamps", "logs"}) fs::create_directories(site / folder);
+  for (const char* folder : {"work/.stamps/begun", "logs"}) fs::create_directories(site / folder);
 }
 
 }  // namespace pipeline

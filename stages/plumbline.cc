@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The front command: `plumbline new|run|status`, and `plumbline STAGE ...` as git does it.
+// The front command: `plumbline run|status|deliver`, and `plumbline STAGE ...` as git does it.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
@@ -10,14 +10,13 @@
 #include <functional>
 #include <iostream>
 #include <map>
-#include <sstream>
 #include <thread>
 
-#include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "pipeline/deliver_site.h"
+#include "pipeline/graph_stages.h"
 #include "pipeline/nearest.h"
-#include "pipeline/new_site.h"
+#include "pipeline/program.h"
 #include "pipeline/site_config.h"
 #include "pipeline/site_lock.h"
 #include "pipeline/site_status.h"
@@ -29,7 +28,6 @@
 namespace {
 
 namespace fs = std::filesystem;
-using formats::DataError;
 using formats::UsageError;
 
 constexpr const char* kHelp = R"(Plumbline makes georeferenced indoor maps from laser scans and a control network.
@@ -54,77 +52,6 @@ Example:
 )";
 
 using Arguments = std::vector<std::string>;
-
-// The two lists of stages live in plumbline.mk alone; it hands them to `plumbline configure`. `new` reads them there.
-std::vector<std::string> ListInGraph(const fs::path& graph, const std::string& variable) {
-  std::istringstream lines(formats::ReadWholeFile(graph));
-  for (std::string line; std::getline(lines, line);) {
-    if (!line.starts_with(variable + " := ")) continue;
-    return pipeline::Words(line.substr(variable.size() + 4));
-  }
-  throw DataError(graph.string() + ": no " + variable);
-}
-
-fs::path GraphFile() {
-  fs::path graph = pipeline::OwnFolder().parent_path() / "share" / "plumbline" / "plumbline.mk";
-  if (!fs::exists(graph)) throw DataError(graph.string() + ": no such file; is Plumbline whole?");
-  return graph;
-}
-
-pipeline::GraphStages AskStages(const std::vector<std::string>& of_blocks, const std::vector<std::string>& of_site,
-                                const fs::path& cache) {
-  const auto ask = [&](const std::vector<std::string>& names) {
-    std::vector<pipeline::StageProgram> programs;
-    for (const std::string& name : names) {
-      programs.push_back(pipeline::AskStageProgram(name, pipeline::OwnFolder(), cache));
-    }
-    return programs;
-  };
-  return {ask(of_blocks), ask(of_site)};
-}
-
-// Parses with CLI11; false when help was asked for and printed.
-bool Parse(CLI::App& app, Arguments arguments) {
-  std::reverse(arguments.begin(), arguments.end());
-  try {
-    app.parse(arguments);
-    return true;
-  } catch (const CLI::Success& success) {
-    app.exit(success);
-    return false;
-  } catch (const CLI::ParseError& error) {
-    throw UsageError(std::string(error.what()) + " (see plumbline --help)");
-  }
-}
-
-pipeline::GraphStages AskStagesOfGraph(const fs::path& cache) {
-  const fs::path graph = GraphFile();
-  return AskStages(ListInGraph(graph, "plumbline.block-stages"), ListInGraph(graph, "plumbline.site-stages"), cache);
-}
-
-int New(const Arguments& arguments) {
-  pipeline::NewSite request;
-  std::vector<std::string> blocks;
-  CLI::App app("Make a site's folder from field data and a control list.", "plumbline new");
-  app.add_option("SITE", request.site, "folder to make");
-  app.add_option("--crs", request.crs, "projected coordinate system of the control, e.g. EPSG:25832");
-  app.add_option("--control", request.control, "control and check points, or observations (.csv .txt .xml .gkf .dat)");
-  app.add_option("--control-order", request.control_order, "order of a control list without a header")
-      ->check(CLI::IsMember({"pnezd", "penzd", "navvis"}));
-  app.add_option("--features", request.features, "check features with independent coordinates (CSV)");
-  app.add_option("--block", blocks, "field data of a block: a log, a bag, or a folder with its marks.csv")
-      ->type_name("NAME=FILE|FOLDER");
-  app.add_flag("--link", request.link, "link to the files instead of copying them");
-  app.footer("Example:\n  plumbline new office --crs EPSG:25832 --control points.csv --block A=monday/");
-  if (!Parse(app, arguments)) return 0;
-  for (const std::string& block : blocks) request.blocks.push_back(pipeline::BlockFromText(block));
-
-  const pipeline::GraphStages stages = AskStagesOfGraph({});
-  for (const std::string& remark : pipeline::MakeSite(request, stages)) std::cerr << "plumbline: " << remark << "\n";
-  std::cerr << "plumbline: made " << request.site.string() << "; go on with: plumbline run " << request.site.string()
-            << "\n";
-  return 0;
-}
 
 void CheckIsSite(const fs::path& site) {
   if (site.empty()) throw UsageError("SITE is required: the folder that `plumbline new` made");
@@ -169,10 +96,10 @@ int Run(const Arguments& arguments) {
   app.add_option("TARGET", targets, "a stage's name, a block's name or a file; everything when none is given");
   app.add_option("-j,--jobs", jobs, "stages to run at once")->check(CLI::Range(1, 10000));
   app.footer("Example:\n  plumbline run office -j 2 out/site.tif");
-  if (!Parse(app, arguments)) return 0;
+  if (!pipeline::ParseArguments(arguments, &app)) return 0;
   CheckIsSite(site);
   // make will do this too; done here first, a mistake in the site's files is told without make's own words.
-  pipeline::ConfigureSite(site, AskStagesOfGraph(site / "work" / ".programs"));
+  pipeline::ConfigureSite(site, pipeline::AskStagesOfGraph(site / "work" / ".programs"));
 
   PutOwnFolderFirstOnPath();
   if (jobs > 1 && std::getenv("PLUMBLINE_THREADS") == nullptr) {
@@ -196,7 +123,7 @@ int Status(const Arguments& arguments) {
   CLI::App app("Say what is done, what is stale and why, what failed.", "plumbline status");
   app.add_option("SITE", site, "the site's folder");
   app.footer("Example:\n  plumbline status office");
-  if (!Parse(app, arguments)) return 0;
+  if (!pipeline::ParseArguments(arguments, &app)) return 0;
   CheckIsSite(site);
   PutOwnFolderFirstOnPath();
   std::cout << pipeline::StatusText(pipeline::SiteStatus(site, pipeline::ReadGraph(site)));
@@ -209,7 +136,7 @@ int Deliver(const Arguments& arguments) {
                "plumbline deliver");
   app.add_option("SITE", site, "the site's folder");
   app.footer("Example:\n  plumbline deliver office && git -C office add delivered");
-  if (!Parse(app, arguments)) return 0;
+  if (!pipeline::ParseArguments(arguments, &app)) return 0;
   CheckIsSite(site);
   PutOwnFolderFirstOnPath();
   pipeline::DeliverSite(site);
@@ -226,9 +153,10 @@ int Configure(const Arguments& arguments) {
   app.add_option("--block-stages", of_blocks, "stages that run once per block")->required();
   app.add_option("--site-stages", of_site, "stages that run once")->required();
   app.add_option("--make-pid", make, "keep other makes away until this process ends");
-  if (!Parse(app, arguments)) return 0;
+  if (!pipeline::ParseArguments(arguments, &app)) return 0;
   if (make > 0) pipeline::LockSiteUntilEndOf(".", make);
-  pipeline::ConfigureSite(".", AskStages(pipeline::Words(of_blocks), pipeline::Words(of_site), "work/.programs"));
+  pipeline::ConfigureSite(".",
+                          pipeline::AskStages(pipeline::Words(of_blocks), pipeline::Words(of_site), "work/.programs"));
   return 0;
 }
 
@@ -247,9 +175,11 @@ int RunStage(const std::string& stage, const Arguments& arguments,
 
 int Dispatch(const Arguments& arguments) {
   static const std::map<std::string, std::function<int(const Arguments&)>> kCommands = {
-      {"new", New}, {"run", Run}, {"status", Status}, {"deliver", Deliver}, {"configure", Configure}};
+      {"run", Run}, {"status", Status}, {"deliver", Deliver}, {"configure", Configure}};
   if (arguments.empty() || arguments[0] == "--help" || arguments[0] == "-h" || arguments[0] == "help") {
-    std::cout << kHelp << "\nStages: " << pipeline::Joined(pipeline::InstalledStages(pipeline::OwnFolder())) << "\n";
+    std::vector<std::string> stages = pipeline::InstalledStages(pipeline::OwnFolder());
+    std::erase(stages, "new");
+    std::cout << kHelp << "\nStages: " << pipeline::Joined(stages) << "\n";
     return arguments.empty() ? 2 : 0;
   }
   if (arguments[0] == "--version") {
@@ -257,7 +187,7 @@ int Dispatch(const Arguments& arguments) {
     return 0;
   }
   if (arguments[0] == "--graph") {
-    std::cout << GraphFile().string() << "\n";
+    std::cout << pipeline::GraphFile().string() << "\n";
     return 0;
   }
   const Arguments rest(arguments.begin() + 1, arguments.end());
@@ -265,23 +195,8 @@ int Dispatch(const Arguments& arguments) {
   return command != kCommands.end() ? command->second(rest) : RunStage(arguments[0], rest, kCommands);
 }
 
-int Report(int status, const std::string& message) {
-  std::cerr << "plumbline: " << message << std::endl;
-  return status;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return Dispatch({argv + 1, argv + argc});
-  } catch (const UsageError& error) {
-    return Report(2, error.what());
-  } catch (const DataError& error) {
-    return Report(1, error.what());
-  } catch (const fs::filesystem_error& error) {
-    return Report(1, error.path1().string() + ": " + error.code().message());
-  } catch (const std::exception& error) {
-    return Report(3, std::string("internal error: ") + error.what() + "; please report it");
-  }
+  return pipeline::RunProgram([&] { return Dispatch({argv + 1, argv + argc}); });
 }

@@ -4,7 +4,9 @@
 // are put together; others are delivered apart, in their local frames and labelled so. A single block that is not tied
 // is the site in its local frame.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <optional>
 
 #include "formats/artefacts.h"
 #include "formats/raster_file.h"
@@ -12,6 +14,7 @@
 #include "pipeline/descent.h"
 #include "pipeline/stage.h"
 #include "survey/accuracy/seam_test.h"
+#include "survey/grid/coverage.h"
 #include "survey/grid/mosaic.h"
 #include "survey/grid/seams.h"
 
@@ -96,38 +99,42 @@ void RemoveOldLocalMaps(const fs::path& output, const formats::SeamsReport& repo
   }
 }
 
-bool Overlap(const survey::SiteRaster& a, const survey::SiteRaster& b) {
-  return a.min_column < b.min_column + b.width && b.min_column < a.min_column + a.width &&
-         a.min_row < b.min_row + b.height && b.min_row < a.min_row + a.height;
+struct SeamSearch {
+  survey::SeamOptions seam;
+  double min_overlap_m2 = 4.0;  // that two blocks must have seen both to be neighbours
+};
+
+// Of the pair only what both may have seen is read; empty: too little for a seam.
+std::optional<survey::Seam> CompareTwo(const BlockMap& first, const BlockMap& second,
+                                       const survey::CommonCoverage& common, const SeamSearch& search) {
+  const double cell_m = first.map.frame.cell_size_m;
+  const double min_cells = std::max(1.0, search.min_overlap_m2 / (cell_m * cell_m));
+  if (static_cast<double>(common.max_cells) < min_cells) return std::nullopt;
+  constexpr std::int64_t kSmoothedCells = 8;  // whose surroundings tell where their faces are
+  const std::int64_t margin = std::llround(search.seam.search_m / cell_m) + kSmoothedCells;
+  survey::Seam seam =
+      survey::CompareMaps(PartOf(first.map, common.box, margin), PartOf(second.map, common.box, margin), search.seam);
+  if (seam.overlap_area_m2 < min_cells * cell_m * cell_m) return std::nullopt;
+  return seam;
 }
 
-survey::SiteRaster WholeMap(const BlockMap& block) {
-  return block.map.read(block.map.frame.min_row, block.map.frame.height);
-}
-
-// Two maps are in memory at a time.
-std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& blocks,
-                                           const survey::SeamOptions& options, pipeline::StageRun& run) {
+std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& blocks, const SeamSearch& search,
+                                           pipeline::StageRun& run) {
+  std::vector<survey::Coverage> coverages;
+  for (const BlockMap* block : blocks) coverages.emplace_back(block->map);
   std::vector<formats::BlockSeam> seams;
-  pipeline::Progress progress = run.Track("pairs", static_cast<std::int64_t>(blocks.size() * (blocks.size() - 1) / 2));
-  std::int64_t done = 0;
+  pipeline::Progress progress = run.Track("blocks", static_cast<std::int64_t>(blocks.size()));
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    std::optional<survey::SiteRaster> first;
-    survey::Solution solution;
+    std::optional<survey::Solution> solution;
     for (std::size_t j = i + 1; j < blocks.size(); ++j) {
-      progress.Advance(++done);
-      if (!Overlap(blocks[i]->map.frame, blocks[j]->map.frame)) continue;
-      if (!first) {
-        first = WholeMap(*blocks[i]);
-        solution = formats::ReadSolution(blocks[i]->solution);
-      }
-      survey::Seam seam = survey::CompareMaps(*first, WholeMap(*blocks[j]), options);
-      if (seam.overlap_area_m2 > 0) {
-        const auto verdict = survey::JudgeSeam(seam, solution, formats::ReadSolution(blocks[j]->solution),
-                                               kReadingSigmaCells * blocks[i]->map.frame.cell_size_m);
-        seams.push_back({blocks[i]->name, blocks[j]->name, std::move(seam), verdict});
-      }
+      std::optional<survey::Seam> seam = CompareTwo(*blocks[i], *blocks[j], coverages[i].With(coverages[j]), search);
+      if (!seam) continue;
+      if (!solution) solution = formats::ReadSolution(blocks[i]->solution);
+      const auto verdict = survey::JudgeSeam(*seam, *solution, formats::ReadSolution(blocks[j]->solution),
+                                             kReadingSigmaCells * blocks[i]->map.frame.cell_size_m);
+      seams.push_back({blocks[i]->name, blocks[j]->name, *std::move(seam), verdict});
     }
+    progress.Advance(static_cast<std::int64_t>(i + 1));
   }
   return seams;
 }
@@ -166,16 +173,18 @@ int main(int argc, char** argv) {
   std::vector<pipeline::NamedFile> maps;
   std::vector<pipeline::NamedFile> solutions;
   fs::path output;
-  survey::SeamOptions seam_options;
+  SeamSearch search;
   stage.NamedInputs("map", &maps, "map of each block", true);
   stage.NamedInputs("solution", &solutions, "solution of each block", true);
   stage.Output("output", &output, "folder for site.tif, site.png, ros/, local/, seams.json and seams.geojson");
-  stage.Option("seam-window-m", &seam_options.window_m, "side of the windows that give one offset each (m)",
+  stage.Option("seam-window-m", &search.seam.window_m, "side of the windows that give one offset each (m)",
                {.min = 1.0, .max = 100.0});
-  stage.Option("seam-search-m", &seam_options.search_m, "largest offset between two maps that is looked for (m)",
+  stage.Option("seam-search-m", &search.seam.search_m, "largest offset between two maps that is looked for (m)",
                {.min = 0.1, .max = 5.0});
-  stage.Option("wall-tolerance-m", &seam_options.wall_tolerance_m,
+  stage.Option("wall-tolerance-m", &search.seam.wall_tolerance_m,
                "a wall within this of a wall in the other map is not contradicted (m)", {.min = 0.0, .max = 2.0});
+  stage.Option("seam-min-overlap-m2", &search.min_overlap_m2,
+               "two maps are compared where both have seen this much (m2)", {.min = 0.0});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     const std::vector<BlockMap> blocks = ReadMaps(maps, solutions);
     std::vector<const BlockMap*> site_blocks;
@@ -203,7 +212,7 @@ int main(int argc, char** argv) {
       const survey::RasterStrips mosaic = survey::MosaicOf(site_maps, {});
       WriteMap(site, mosaic, report.label, run.Provenance());
       formats::WriteRosMap(output / "ros", mosaic, report.label);
-      report.seams = CompareAll(site_blocks, seam_options, run);
+      report.seams = CompareAll(site_blocks, search, run);
     }
     formats::WriteSeams(output / "seams.json", report, run.Provenance());
     formats::WriteSeamsLayer(output / "seams.geojson", report);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "survey/grid/coverage.h"
 #include "tests/support/rendered_map.h"
 
 namespace survey {
@@ -92,6 +93,31 @@ TEST(CompareMaps, MovedThingsAreContradictions) {
   EXPECT_GT(moved.first_contradicted_share, 0.05);
   EXPECT_GT(moved.disagreeing_share, same.disagreeing_share);
   EXPECT_LT(moved.second_contradicted_share, 0.02);
+}
+
+// What coverage leaves out of two maps does not count.
+TEST(Coverage, ThePartsBothHaveSeenGiveTheSeamOfTheWholeMaps) {
+  const SiteRaster first = RenderMap(Hall(), {{3, 2.5}, {7, 6}}, {.range_max_m = 8.0});
+  const SiteRaster second = RenderMap(Hall(), {{12, 6.2}, {17, 9}}, {.range_max_m = 8.0});
+  const Seam whole = CompareMaps(first, second, {});
+  const CommonCoverage common = Coverage(StripsOf(first)).With(Coverage(StripsOf(second)));
+  const SiteRaster part = PartOf(StripsOf(first), common.box, 16);
+  const Seam parts = CompareMaps(part, PartOf(StripsOf(second), common.box, 16), {});
+  EXPECT_LT(part.width, first.width * 3 / 4);
+  ASSERT_GT(whole.overlap_area_m2, 1.0);
+  EXPECT_GE(static_cast<double>(common.max_cells) * first.cell_size_m * first.cell_size_m, whole.overlap_area_m2);
+  EXPECT_EQ(parts.overlap_area_m2, whole.overlap_area_m2);
+  EXPECT_EQ(parts.first_contradicted_share, whole.first_contradicted_share);
+  ASSERT_EQ(parts.patches.size(), whole.patches.size());
+  for (std::size_t i = 0; i < parts.patches.size(); ++i) EXPECT_EQ(parts.patches[i].offset, whole.patches[i].offset);
+}
+
+TEST(Coverage, MapsApartHaveNothingInCommon) {
+  const SiteRaster a{.min_column = -40, .min_row = -3, .width = 2, .height = 1, .log_odds = {1, kUnknownLogOdds}};
+  SiteRaster b = a;
+  EXPECT_EQ(Coverage(StripsOf(a)).With(Coverage(StripsOf(b))).max_cells, 1);
+  b.min_column = 0;
+  EXPECT_EQ(Coverage(StripsOf(a)).With(Coverage(StripsOf(b))).max_cells, 0);
 }
 
 TEST(CompareMaps, MapsApartHaveNoSeam) {

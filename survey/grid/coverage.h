@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How much of a map was seen, in square tiles of the site's cells: tells cheaply whether two maps know the same place,
+// and where, so that only that part of them has to be read.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "survey/grid/raster_strips.h"
+
+namespace survey {
+
+// Site cells [min, end) in both directions.
+struct CellBox {
+  std::int64_t min_column = 0;
+  std::int64_t min_row = 0;
+  std::int64_t end_column = 0;
+  std::int64_t end_row = 0;
+};
+
+// What two maps may have seen both.
+struct CommonCoverage {
+  std::int64_t max_cells = 0;  // at most so many cells
+  CellBox box;                 // within
+};
+
+class Coverage {
+ public:
+  explicit Coverage(const RasterStrips& map);
+
+  CommonCoverage With(const Coverage& other) const;
+
+ private:
+  static constexpr int kTileCells = 32;
+
+  void Count(const SiteRaster& rows);
+  int At(std::int64_t tile_column, std::int64_t tile_row) const;  // 0 outside
+
+  std::int64_t min_column_ = 0;  // of the tiles
+  std::int64_t min_row_ = 0;
+  std::int64_t width_ = 0;
+  std::int64_t height_ = 0;
+  std::vector<std::uint16_t> known_;  // cells by tile
+};
+
+// The part of a map that lies within `margin` cells of the box.
+SiteRaster PartOf(const RasterStrips& map, const CellBox& box, std::int64_t margin);
+
+}  // namespace survey

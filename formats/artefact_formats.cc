@@ -380,6 +380,48 @@ CREATE TABLE features (
 ) STRICT;
 )";
 
+constexpr std::string_view kGraphSchema = R"(
+CREATE TABLE poses (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  scan INTEGER NOT NULL CHECK (scan >= -1),  -- -1: the submap of that id; submaps come first
+  x REAL NOT NULL,      -- in the site frame: easting, m
+  y REAL NOT NULL,      -- northing, m
+  theta REAL NOT NULL   -- rad, from east towards north
+) STRICT;
+CREATE TABLE points (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  name TEXT NOT NULL,        -- in order of their names; then, without a name, places of marks that were left out
+  control INTEGER NOT NULL CHECK (control IN (0, 1)),  -- its given coordinates took part
+  x REAL NOT NULL,           -- adjusted: easting, m
+  y REAL NOT NULL            -- northing, m
+) STRICT;
+CREATE TABLE marks (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  pose INTEGER NOT NULL REFERENCES poses (id),
+  point INTEGER NOT NULL REFERENCES points (id),
+  x REAL NOT NULL,  -- the point in the frame of the pose: m
+  y REAL NOT NULL,  -- m
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- m2
+  cov_xy REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0)
+) STRICT;
+CREATE TABLE edges (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  kind TEXT NOT NULL,  -- of the observation
+  base INTEGER NOT NULL REFERENCES poses (id),
+  target INTEGER NOT NULL REFERENCES poses (id),
+  x REAL NOT NULL,      -- base_from_target as observed: m
+  y REAL NOT NULL,      -- m
+  theta REAL NOT NULL,  -- rad
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- as it counted in the end, in the frame of base: m2, m rad, rad2
+  cov_xy REAL NOT NULL,
+  cov_xt REAL NOT NULL,
+  cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
+  cov_yt REAL NOT NULL,
+  cov_tt REAL NOT NULL CHECK (cov_tt >= 0)
+) STRICT;
+)";
+
 constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kSession, 1, "session", kSessionSchema},
     ArtefactFormat{ArtefactKind::kTrack, 2, "track", kTrackSchema},
@@ -387,6 +429,7 @@ constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kControl, 2, "control", kControlSchema},
     ArtefactFormat{ArtefactKind::kSolution, 3, "solution", kSolutionSchema},
     ArtefactFormat{ArtefactKind::kFeatures, 1, "features", kFeaturesSchema},
+    ArtefactFormat{ArtefactKind::kGraph, 1, "graph", kGraphSchema},
 };
 
 }  // namespace

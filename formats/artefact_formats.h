@@ -10,7 +10,15 @@
 
 namespace formats {
 
-enum class ArtefactKind { kSession = 1, kTrack = 2, kLoops = 3, kControl = 4, kSolution = 5, kFeatures = 6 };
+enum class ArtefactKind {
+  kSession = 1,
+  kTrack = 2,
+  kLoops = 3,
+  kControl = 4,
+  kSolution = 5,
+  kFeatures = 6,
+  kGraph = 7
+};
 
 struct ArtefactFormat {
   ArtefactKind kind;

@@ -11,6 +11,7 @@
 #include "formats/provenance.h"
 #include "survey/control/control_point.h"
 #include "survey/features/feature.h"
+#include "survey/graph/controlled_graph.h"
 #include "survey/graph/solution.h"
 #include "survey/sensors/session.h"
 #include "survey/submaps/track.h"
@@ -34,6 +35,10 @@ survey::ControlNetwork ReadControl(const std::filesystem::path& file);
 void WriteSolution(const std::filesystem::path& file, const survey::Solution& solution,
                    const std::vector<survey::ScanStamp>& scan_stamps, const Provenance& provenance);
 survey::Solution ReadSolution(const std::filesystem::path& file);
+
+// The observations of a block as its adjustment weighted them.
+void WriteGraph(const std::filesystem::path& file, const survey::ControlledGraph& graph, const Provenance& provenance);
+survey::ControlledGraph ReadGraph(const std::filesystem::path& file);
 
 // Features sought in a block's map, found or not, in the order of the surveyor's list.
 void WriteFeatures(const std::filesystem::path& file, const std::vector<survey::MapFeature>& features,

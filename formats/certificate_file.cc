@@ -5,41 +5,8 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
-
-namespace nlohmann {
-
-// A value that is not there is null.
-template <typename T>
-struct adl_serializer<std::optional<T>> {
-  static void to_json(json& j, const std::optional<T>& value) {
-    if (value) {
-      j = *value;
-    } else {
-      j = nullptr;
-    }
-  }
-  static void from_json(const json& j, std::optional<T>& value) {
-    value = j.is_null() ? std::nullopt : std::optional<T>(j.get<T>());
-  }
-};
-
-template <>
-struct adl_serializer<Eigen::Vector2d> {
-  static void to_json(json& j, const Eigen::Vector2d& v) { j = {{"e", v.x()}, {"n", v.y()}}; }
-  static void from_json(const json& j, Eigen::Vector2d& v) { v = {j.at("e").get<double>(), j.at("n").get<double>()}; }
-};
-
-template <>
-struct adl_serializer<Eigen::Matrix2d> {
-  static void to_json(json& j, const Eigen::Matrix2d& m) { j = {{"ee", m(0, 0)}, {"en", m(0, 1)}, {"nn", m(1, 1)}}; }
-  static void from_json(const json& j, Eigen::Matrix2d& m) {
-    m(0, 0) = j.at("ee").get<double>();
-    m(0, 1) = m(1, 0) = j.at("en").get<double>();
-    m(1, 1) = j.at("nn").get<double>();
-  }
-};
-
-}  // namespace nlohmann
+#include "formats/joint_json.h"
+#include "formats/json_values.h"
 
 // The members of the value types under their own names.
 namespace survey {
@@ -109,7 +76,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DeliveryChanges, control, blocks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, control_adjustment,
                                    control_remarks, blocks, fit, reliability, checks, points_test, features_test,
-                                   points_analysis, features_analysis, stitching, since_delivery, not_tested)
+                                   points_analysis, features_analysis, stitching, joint, since_delivery, not_tested)
 
 }  // namespace survey
 
@@ -119,7 +86,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "plumbline-certificate";
-constexpr int kVersion = 4;
+constexpr int kVersion = 5;
 
 }  // namespace
 

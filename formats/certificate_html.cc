@@ -9,6 +9,7 @@
 #include "formats/certificate_analysis.h"
 #include "formats/certificate_changes.h"
 #include "formats/certificate_figures.h"
+#include "formats/certificate_joint.h"
 #include "formats/certificate_style.h"
 #include "formats/html.h"
 #include "formats/reliability_html.h"
@@ -449,8 +450,8 @@ std::string CertificateHtml(const CertificatePage& page) {
   html += "<h1 class=\"appendices\">Appendices</h1>\n";
   if (c.since_delivery) html += ChangesSection(*c.since_delivery);
   html += ClassesSection(c) + AnalysisSection(c) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) +
-          FitSection(c) + ReliabilitySection(c.reliability) + ControlListSection(c) +
-          ProvenanceSection(page.provenance);
+          (c.joint ? JointSection(*c.joint) : "") + FitSection(c) + ReliabilitySection(c.reliability) +
+          ControlListSection(c) + ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();
   return html + "</body></html>\n";
 }

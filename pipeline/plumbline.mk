@@ -32,7 +32,7 @@ plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
 export PATH := $(plumbline.bin):$(PATH)
 
 plumbline.block-stages := ingest track loops adjust grid edit features
-plumbline.site-stages := network stitch certify report print
+plumbline.site-stages := network join stitch certify report print
 
 # Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
 # looks and needs no lock.
@@ -97,6 +97,13 @@ marked-blocks := $(strip $(foreach b,$(blocks),$(if $(call marks,$(b)),$(b))))
 # A block is tied when there is control and a list of its marks.
 control-of = $(if $(points),$(if $(call marks,$(1)),work/$(1)/control.sqlite))
 
+# Blocks that control ties. With `joint = true` in site.toml they are adjusted together after each by itself.
+tied-blocks := $(strip $(foreach b,$(blocks),$(if $(call control-of,$(b)),$(b))))
+joint-blocks := $(if $(findstring joint = true,$(file <work/config/join.toml)),$(tied-blocks))
+adjusted-of = $(if $(filter $(1),$(joint-blocks)),work/$(1)/adjusted.sqlite,work/$(1)/solution.sqlite)
+graph-of = $(if $(filter $(1),$(joint-blocks)),work/$(1)/graph.sqlite)
+joint-control := $(if $(joint-blocks),work/joint-control.sqlite)
+
 # $(call named,BLOCKS,FILE): B1=work/B1/FILE ...
 named = $(foreach b,$(1),$(b)=work/$(b)/$(2))
 of-blocks = $(foreach b,$(1),work/$(b)/$(2))
@@ -109,9 +116,9 @@ $(call stage,track,$(1),work/$(1)/session.sqlite $(call source,$(call answers,$(
 $(call stage,loops,$(1),work/$(1)/session.sqlite work/$(1)/track.sqlite,work/$(1)/loops.sqlite,\
   --session work/$(1)/session.sqlite --track work/$(1)/track.sqlite --output work/$(1)/loops.sqlite)
 $(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call control-of,$(1))\
-  $(call source,$(call answers,$(1))),work/$(1)/solution.sqlite,\
+  $(call source,$(call answers,$(1))),$(call adjusted-of,$(1)) $(call graph-of,$(1)),\
   --track work/$(1)/track.sqlite --loops work/$(1)/loops.sqlite $(addprefix --control ,$(call control-of,$(1)))\
-  $(addprefix --answers ,$(call answers,$(1))) --output work/$(1)/solution.sqlite)
+  $(addprefix --answers ,$(call answers,$(1))) --output $(call adjusted-of,$(1)) $(addprefix --graph ,$(call graph-of,$(1))))
 $(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$(1)/grid.tif,\
   --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --output work/$(1)/grid.tif)
 $(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(edits)),work/$(1)/map.tif,\
@@ -125,12 +132,18 @@ endef
 $(foreach b,$(blocks),$(call block,$(b)))
 
 $(call stage,network,,$(call source,$(points) $(roles) $(grid-tie) $(foreach b,$(marked-blocks),$(call marks,$(b)))),\
-  work/control.sqlite $(call of-blocks,$(marked-blocks),control.sqlite),\
+  work/control.sqlite $(call of-blocks,$(marked-blocks),control.sqlite) $(joint-control),\
   $(if $(points),--control $(points)) $(addprefix --roles ,$(roles)) $(addprefix --grid-tie ,$(grid-tie)) $(if $(marked-blocks),--marks $(foreach b,$(marked-blocks),$(b)=$(call marks,$(b))))\
-  --output work/control.sqlite --extracts work)
+  --output work/control.sqlite --extracts work $(addprefix --joint-extract ,$(joint-control)))
+
+$(if $(joint-blocks),$(call stage,join,,$(joint-control) $(foreach f,session track graph adjusted,\
+  $(call of-blocks,$(joint-blocks),$(f).sqlite)),work/joint.json $(call of-blocks,$(joint-blocks),solution.sqlite),\
+  --control $(joint-control) --session $(call named,$(joint-blocks),session.sqlite)\
+  --track $(call named,$(joint-blocks),track.sqlite) --graph $(call named,$(joint-blocks),graph.sqlite)\
+  --solution $(call named,$(joint-blocks),adjusted.sqlite) --output work --report work/joint.json))
+joint-report := $(if $(joint-blocks),work/joint.json)
 
 # Blocks that are not tied have no place on the site's map and are delivered apart, unless there is but one block.
-tied-blocks := $(strip $(foreach b,$(blocks),$(if $(call control-of,$(b)),$(b))))
 site-blocks := $(if $(filter 1,$(words $(blocks))),$(blocks),$(tied-blocks))
 local-blocks := $(filter-out $(site-blocks),$(blocks))
 site-map := $(if $(site-blocks),out/site.tif)
@@ -142,12 +155,12 @@ $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(bloc
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
 $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
-  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json\
+  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json $(joint-report)\
   $(call source,$(accuracy-classes)) $(call source,$(delivered)),\
   out/certificate.json,\
   --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
   $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
-  $(addprefix --classes ,$(accuracy-classes)) --seams out/seams.json\
+  $(addprefix --classes ,$(accuracy-classes)) --seams out/seams.json $(addprefix --joint ,$(joint-report))\
   $(if $(delivered),--delivered-control delivered/control.csv --delivered-poses delivered/poses.csv)\
   --output out/certificate.json)
 

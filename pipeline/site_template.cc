@@ -10,7 +10,7 @@ namespace pipeline {
 namespace {
 
 // Keys that belong to the site as a whole and therefore stand in [site], not in a stage's table.
-const std::set<std::string> kSiteKeys = {"crs", "cell-size-m", "accuracy-class-m"};
+const std::set<std::string> kSiteKeys = {"crs", "cell-size-m", "accuracy-class-m", "joint"};
 
 std::string AsToml(const OptionInfo& option, const std::string& value) {
   return option.type == "string" ? "\"" + value + "\"" : value;

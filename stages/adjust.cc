@@ -47,6 +47,7 @@ int main(int argc, char** argv) {
   std::filesystem::path loops_file;
   std::filesystem::path control_file;
   std::filesystem::path output;
+  std::filesystem::path graph;
   survey::BlockAdjustmentOptions options;
   stage.Input("track", &track_file, "track of the block");
   stage.Input("loops", &loops_file, "its loops");
@@ -55,6 +56,7 @@ int main(int argc, char** argv) {
   stage.Inputs("answers", &answer_files, "a person's answers about the block's scans, JSON", false,
                pipeline::Content::kParsed);
   stage.Output("output", &output, "solution.sqlite to write");
+  stage.OptionalOutput("graph", &graph, "graph.sqlite to write: the observations, for `plumbline join`");
   stage.Option("loop-robust-sigmas", &options.tie.solver.robust_scale, "beyond this a loop loses weight", {.min = 0.1});
   stage.Option("allow-single-point", &options.allow_single_point,
                "accept a block with one control point (no direction)");
@@ -72,6 +74,7 @@ int main(int argc, char** argv) {
         survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options, answers);
     if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
+    if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());
     for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
     for (const survey::AnswerTest& answer : adjustment.answers) {
       if (answer.in_conflict) run.Warn(Conflict(answer));

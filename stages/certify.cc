@@ -12,6 +12,7 @@
 #include "formats/certificate_file.h"
 #include "formats/delivery_csv.h"
 #include "formats/features_csv.h"
+#include "formats/joint_file.h"
 #include "formats/seam_summary.h"
 #include "pipeline/stage.h"
 
@@ -25,6 +26,7 @@ struct CertifyFiles {
   std::vector<NamedFile> features;
   std::filesystem::path feature_list;
   std::filesystem::path seams;
+  std::filesystem::path joint;
   std::filesystem::path delivered_control, delivered_poses;
   std::filesystem::path classes;
   std::filesystem::path output;
@@ -125,6 +127,7 @@ void Run(const CertifyFiles& files, survey::CertifyInput input, pipeline::StageR
     throw formats::DataError(message);
   }
   survey::Certificate certificate = survey::Certify(input);
+  if (!files.joint.empty()) certificate.joint = formats::ReadJoint(files.joint);
   certificate.since_delivery = ChangesSinceDelivery(files, input);
   formats::WriteCertificate(files.output, certificate, run.Provenance());
   run.Message(Summary(certificate));
@@ -149,6 +152,7 @@ int main(int argc, char** argv) {
   stage.OptionalInput("feature-list", &files.feature_list, "surveyed coordinates of the check features (CSV)",
                       pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("seams", &files.seams, "seams.json of the stitched site");
+  stage.OptionalInput("joint", &files.joint, "joint.json, when the blocks were adjusted together");
   stage.OptionalInput("delivered-control", &files.delivered_control, "control at the last delivery (CSV)",
                       pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("delivered-poses", &files.delivered_poses, "the platform at the last delivery (CSV)",

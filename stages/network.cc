@@ -229,11 +229,29 @@ std::string CanonicalText(const ControlNetwork& network) {
   return text;
 }
 
-void WriteExtract(const std::filesystem::path& folder, const std::string& block, const ControlNetwork& extract,
+void WriteExtract(const std::filesystem::path& file, const std::string& role, const ControlNetwork& extract,
                   pipeline::StageRun& run) {
-  const formats::ProvenanceInput points = {.role = "points of block " + block,
-                                           .sha256 = formats::Sha256(CanonicalText(extract))};
-  formats::WriteControl(folder / block / "control.sqlite", extract, run.ProvenanceOf({points}));
+  const formats::ProvenanceInput points = {.role = role, .sha256 = formats::Sha256(CanonicalText(extract))};
+  formats::WriteControl(file, extract, run.ProvenanceOf({points}));
+}
+
+// Where the extracts go; empty: not wanted.
+struct ExtractFiles {
+  std::filesystem::path folder;  // <block>/control.sqlite
+  std::filesystem::path joint;   // of all blocks together
+};
+
+void WriteExtracts(const ExtractFiles& files, const ControlNetwork& network, const MarkedBlocks& blocks,
+                   pipeline::StageRun& run) {
+  std::vector<std::string> all;
+  for (const auto& [block, names] : blocks) {
+    all.insert(all.end(), names.begin(), names.end());
+    if (files.folder.empty()) continue;
+    WriteExtract(files.folder / block / "control.sqlite", "points of block " + block,
+                 survey::ExtractOfBlock(network, names), run);
+  }
+  if (!files.joint.empty())
+    WriteExtract(files.joint, "points of all blocks", survey::ExtractOfBlock(network, all), run);
 }
 
 std::string Summary(const ControlNetwork& network) {
@@ -256,7 +274,7 @@ MarkedBlocks ReadMarkedBlocks(const NetworkOptions& options) {
   return blocks;
 }
 
-void Run(const NetworkOptions& options, const std::filesystem::path& output, const std::filesystem::path& extracts,
+void Run(const NetworkOptions& options, const std::filesystem::path& output, const ExtractFiles& extracts,
          pipeline::StageRun& run) {
   const MarkedBlocks blocks = ReadMarkedBlocks(options);
   ControlNetwork network = ReadNetwork(options, blocks, run);
@@ -267,9 +285,7 @@ void Run(const NetworkOptions& options, const std::filesystem::path& output, con
     run.AddInput({.role = "points marked in block " + block, .sha256 = formats::Sha256(text)});
   }
   formats::WriteControl(output, network, run.Provenance());
-  for (const auto& [block, names] : blocks) {
-    if (!extracts.empty()) WriteExtract(extracts, block, survey::ExtractOfBlock(network, names), run);
-  }
+  WriteExtracts(extracts, network, blocks, run);
   run.Message(Summary(network));
 }
 
@@ -323,7 +339,8 @@ int main(int argc, char** argv) {
                         "plumbline network --control control/points.csv --marks B1=blocks/B1/marks.csv --output "
                         "work/control.sqlite --extracts work");
   NetworkOptions options;
-  std::filesystem::path output, extracts;
+  std::filesystem::path output;
+  ExtractFiles extracts;
   stage.Inputs("control", &options.control, "control: .csv .txt .xml (points) or .gkf .dat .xml (observations)", false,
                Content::kTextWithoutComments);
   stage.OptionalInput("roles", &options.roles, "point,role,reason (CSV), for control that comes without roles",
@@ -333,7 +350,8 @@ int main(int argc, char** argv) {
                       Content::kTextWithoutComments);
   stage.NamedInputs("marks", &options.marks, "marks.csv of each block that has one", false, Content::kParsed);
   stage.Output("output", &output, "control.sqlite to write");
-  stage.OptionalOutput("extracts", &extracts, "folder for <block>/control.sqlite");
+  stage.OptionalOutput("extracts", &extracts.folder, "folder for <block>/control.sqlite");
+  stage.OptionalOutput("joint-extract", &extracts.joint, "the same of all blocks together, for `plumbline join`");
   DeclareReading(&options, &stage);
   DeclareSystem(&options, &stage);
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) { Run(options, output, extracts, run); });

@@ -15,6 +15,7 @@
 #include "survey/accuracy/delivery.h"
 #include "survey/accuracy/error_statistics.h"
 #include "survey/control/control_point.h"
+#include "survey/graph/joint_summary.h"
 
 namespace survey {
 
@@ -135,6 +136,7 @@ struct Certificate {
   CheckAnalysis points_analysis;
   CheckAnalysis features_analysis;
   StitchingAccuracy stitching;
+  std::optional<JointSummary> joint;              // empty: every block stands on its own control
   std::optional<DeliveryChanges> since_delivery;  // empty: nothing was delivered before
   std::vector<std::string> not_tested;            // sentences
 };

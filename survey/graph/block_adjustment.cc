@@ -131,15 +131,10 @@ class Writer {
  private:
   Pose2 InSite(const Pose2& pose) const { return {pose.x + offset_.x(), pose.y + offset_.y(), pose.theta}; }
 
-  // Of the marked place: the pose's covariance carried through the lever arm, and the centring.
   Eigen::Matrix2d PositionCovariance(const MarkEdge& edge) const {
     const auto found = covariance_of_.find(edge.pose);
     if (found == covariance_of_.end()) return Eigen::Matrix2d::Zero();
-    const Eigen::Matrix2d rotation = Rotation2(block_.graph.poses[static_cast<std::size_t>(edge.pose)].theta);
-    const Eigen::Vector2d lever = rotation * edge.p_in_pose;
-    Eigen::Matrix<double, 2, 3> d_pose;
-    d_pose << 1, 0, -lever.y(), 0, 1, lever.x();
-    return d_pose * found->second * d_pose.transpose() + rotation * edge.covariance * rotation.transpose();
+    return CovarianceOfMark(edge, block_.graph.poses[static_cast<std::size_t>(edge.pose)], found->second);
   }
 
   const Track& track_;
@@ -244,6 +239,7 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
   solution.statistics.num_control_marks = static_cast<int>(
       std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
   result.answers = TestAnswers(answers, block, first_answer);
+  result.graph = MakeControlledGraph(std::move(block), tie.offset);
   result.usable = true;
   return result;
 }

@@ -11,6 +11,7 @@
 #include "survey/control/control_point.h"
 #include "survey/graph/answer_factors.h"
 #include "survey/graph/control_tie.h"
+#include "survey/graph/controlled_graph.h"
 #include "survey/graph/solution.h"
 #include "survey/submaps/track.h"
 
@@ -27,6 +28,7 @@ struct BlockAdjustment {
   bool usable = false;
   std::string message;  // why not
   Solution solution;
+  ControlledGraph graph;
   std::vector<AnswerTest> answers;  // those with a pose
 };
 

@@ -42,4 +42,12 @@ double GraphCovariance::RedundancyOf(const PoseEdge& edge) const {
   return 3.0 - edge.covariance.llt().solve(of_adjusted).trace();
 }
 
+Eigen::Matrix2d CovarianceOfMark(const MarkEdge& mark, const Pose2& pose, const Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix2d rotation = Rotation2(pose.theta);
+  const Eigen::Vector2d lever = rotation * mark.p_in_pose;
+  Eigen::Matrix<double, 2, 3> d_pose;
+  d_pose << 1, 0, -lever.y(), 0, 1, lever.x();
+  return d_pose * covariance * d_pose.transpose() + rotation * mark.covariance * rotation.transpose();
+}
+
 }  // namespace survey

@@ -36,4 +36,7 @@ class GraphCovariance {
   SelectedInverse inverse_;
 };
 
+// Of a marked place in the graph's frame: the covariance of its pose carried through the lever arm, and the centring.
+Eigen::Matrix2d CovarianceOfMark(const MarkEdge& mark, const Pose2& pose, const Eigen::Matrix3d& covariance);
+
 }  // namespace survey

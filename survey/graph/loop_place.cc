@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/graph/loop_place.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "survey/submaps/rendering.h"
 
 namespace survey {
@@ -24,6 +27,24 @@ OccupancyOptions GridOptions(const PlaceOptions& options) {
 }
 
 }  // namespace
+
+std::vector<ScanId> SpacedNodes(const Track& track, double spacing_m) {
+  std::vector<ScanId> marked;
+  for (const TrackedMark& mark : track.marks) marked.push_back(mark.scan);
+  std::sort(marked.begin(), marked.end());
+  std::vector<ScanId> nodes;
+  double way = std::numeric_limits<double>::max();
+  const TrackedScan* last = nullptr;
+  for (const TrackedScan& scan : track.scans) {
+    if (!scan.is_node) continue;
+    if (last != nullptr) way += Between(last->local_from_scan, scan.local_from_scan).Translation().norm();
+    last = &scan;
+    if (way < spacing_m && !std::binary_search(marked.begin(), marked.end(), scan.scan)) continue;
+    nodes.push_back(scan.scan);
+    way = 0.0;
+  }
+  return nodes;
+}
 
 PlaceScan PrepareForPlaces(const Session& session, const Track& track, ScanId scan, const ScanProjector& projector,
                            const PlaceOptions& options) {

@@ -29,6 +29,9 @@ struct PlaceOptions {
   int max_search_points = 60;  // for branch and bound
 };
 
+// Nodes of the track at least spacing_m apart along it, and those that carry marks.
+std::vector<ScanId> SpacedNodes(const Track& track, double spacing_m);
+
 // A scan of the track made ready for places.
 using PlaceScan = std::vector<SurfacePoint>;
 PlaceScan PrepareForPlaces(const Session& session, const Track& track, ScanId scan, const ScanProjector& projector,

@@ -44,25 +44,6 @@ struct Attempt {
 // submaps, but where windows are still wide.
 enum class Round { kClosing, kLast };
 
-// Nodes of the track at least spacing_m apart along it, and those that carry marks.
-std::vector<ScanId> SpacedNodes(const Track& track, double spacing_m) {
-  std::vector<ScanId> marked;
-  for (const TrackedMark& mark : track.marks) marked.push_back(mark.scan);
-  std::sort(marked.begin(), marked.end());
-  std::vector<ScanId> nodes;
-  double way = std::numeric_limits<double>::max();
-  const TrackedScan* last = nullptr;
-  for (const TrackedScan& scan : track.scans) {
-    if (!scan.is_node) continue;
-    if (last != nullptr) way += Between(last->local_from_scan, scan.local_from_scan).Translation().norm();
-    last = &scan;
-    if (way < spacing_m && !std::binary_search(marked.begin(), marked.end(), scan.scan)) continue;
-    nodes.push_back(scan.scan);
-    way = 0.0;
-  }
-  return nodes;
-}
-
 class LoopSearch {
  public:
   LoopSearch(const Session& session, const Track& track, const LoopOptions& options)

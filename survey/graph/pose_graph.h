@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "survey/geometry/pose2.h"
@@ -16,6 +17,20 @@ namespace survey {
 // Kinds of relative observations: a node in the submap that it helped to draw; from node to node along the track; a
 // scan in a submap that is not its neighbour.
 enum class EdgeKind { kScanMatch, kMotion, kLoop, kAnswer };
+
+constexpr std::string_view Name(EdgeKind kind) {
+  switch (kind) {
+    case EdgeKind::kScanMatch:
+      return "scan match";
+    case EdgeKind::kMotion:
+      return "motion";
+    case EdgeKind::kLoop:
+      return "loop";
+    case EdgeKind::kAnswer:
+      return "answer";
+  }
+  return "";
+}
 
 // [CN] eq. (10): measured pose of `target` in the frame of `base`.
 struct PoseEdge {

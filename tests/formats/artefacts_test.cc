@@ -231,6 +231,33 @@ TEST(Artefacts, SolutionSurvives) {
   EXPECT_TRUE(std::isnan(read.statistics.sigma_zero));
 }
 
+TEST(Artefacts, GraphSurvives) {
+  const ScratchFolder folder;
+  RandomArtefacts random(9);
+  const survey::ControlledGraph written = random.Graph(12);
+  WriteGraph(folder / "graph.sqlite", written, random.Provenance(1));
+  const survey::ControlledGraph read = ReadGraph(folder / "graph.sqlite");
+  EXPECT_EQ(read.control, written.control);
+  EXPECT_EQ(read.block.nodes, written.block.nodes);
+  EXPECT_EQ(read.block.num_submaps, written.block.num_submaps);
+  EXPECT_EQ(read.block.point_names, written.block.point_names);
+  const survey::PoseGraph &graph = read.block.graph, &expected = written.block.graph;
+  EXPECT_EQ(graph.points, expected.points);
+  ASSERT_EQ(graph.poses.size(), expected.poses.size());
+  for (std::size_t i = 0; i < graph.poses.size(); ++i) EXPECT_TRUE(Same(graph.poses[i], expected.poses[i]));
+  ASSERT_EQ(graph.marks.size(), expected.marks.size());
+  EXPECT_EQ(graph.marks[3].pose, expected.marks[3].pose);
+  EXPECT_EQ(graph.marks[3].p_in_pose, expected.marks[3].p_in_pose);
+  EXPECT_EQ(graph.marks[3].covariance, expected.marks[3].covariance);
+  ASSERT_EQ(graph.edges.size(), expected.edges.size());
+  for (std::size_t i = 0; i < graph.edges.size(); ++i) {
+    EXPECT_EQ(graph.edges[i].kind, expected.edges[i].kind);
+    EXPECT_EQ(graph.edges[i].target, expected.edges[i].target);
+    EXPECT_TRUE(Same(graph.edges[i].base_from_target, expected.edges[i].base_from_target));
+    EXPECT_EQ(graph.edges[i].covariance, expected.edges[i].covariance);
+  }
+}
+
 TEST(Artefacts, EmptyListsSurvive) {
   const ScratchFolder folder;
   RandomArtefacts random(6);

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/artefacts.h"
 #include "formats/atomic_file.h"
 #include "tests/support/job_site.h"
 #include "tests/support/paths.h"
@@ -86,6 +87,29 @@ TEST_F(RerunTest, OptionsOfOneStage) {
   EXPECT_EQ(site_.StagesOfRun(), Stages{});
 }
 
+// All blocks together: a moved control point moves the blocks that did not see it too; a check point moves none.
+TEST_F(RerunTest, JointAdjustment) {
+  const auto apart = site_.Results();
+  ReplaceInFile(site_ / "site.toml", "# joint = false", "joint = true");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "B adjust", "B edit", "B grid", "certify",
+                                         "join", "network", "report", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(), Stages{});
+  const auto joint = nlohmann::json::parse(formats::ReadWholeFile(site_ / "out/certificate.json"))["joint"];
+  EXPECT_EQ(joint["blocks"].size(), 2);
+  EXPECT_EQ(joint["num_control_points"], 6);
+  EXPECT_NE(formats::ReadWholeFile(site_ / "out/certificate.html").find("Joint adjustment of the blocks"),
+            std::string::npos);
+  ReplaceInFile(site_ / "control/points.csv", "5600208.0000,500102.0004", "5600208.0000,500102.0024");  // a check point
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report"}));
+  ReplaceInFile(site_ / "control/points.csv", "5600208.0000,500102.0024", "5600208.0000,500102.0004");
+  site_.StagesOfRun();
+  ReplaceInFile(site_ / "site.toml", "joint = true", "# joint = false");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "B adjust", "B edit", "B grid", "certify",
+                                         "network", "report", "stitch"}));
+  const auto back = site_.Results();
+  for (const auto& [file, digest] : apart) EXPECT_EQ(back.at(file), digest) << file;
+}
+
 TEST_F(RerunTest, BlockAddedAndRemoved) {
   fs::create_directories(site_ / "blocks/C");
   fs::copy(test_support::FieldDataOfTwoRooms() / "blocks/B", site_ / "blocks/C/raw");
@@ -103,6 +127,23 @@ TEST_F(RerunTest, MarkRemoved) {
   formats::WriteFileAtomically(marks, text.substr(0, last_row));
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"B adjust", "B edit", "B grid", "B ingest", "B loops", "B track", "certify",
                                          "network", "report", "stitch"}));
+}
+
+TEST_F(RerunTest, AnswerAddedAndRemoved) {
+  const auto before = site_.Results();
+  const auto stamps = formats::ReadScanStamps(site_ / "work/A/track.sqlite");
+  const fs::path answer = site_ / "blocks/A/answers/door.json";
+  fs::create_directories(answer.parent_path());
+  formats::WriteFileAtomically(
+      answer, R"({"schema": 1, "decision": "skip", "stamp_ns": )" + std::to_string(stamps[50].clock_ns) + "}");
+  // The scan-matching track comes out as before: no new loops.
+  const Stages from_track_on = {"A adjust", "A edit", "A grid", "A track", "certify", "report", "stitch"};
+  EXPECT_EQ(site_.StagesOfRun(), from_track_on);
+  AppendToFile(answer, "\n");
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A track"}));  // it says the same
+  fs::remove(answer);
+  EXPECT_EQ(site_.StagesOfRun(), from_track_on);
+  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
 }
 
 TEST_F(RerunTest, EditAddedAndRemoved) {

@@ -187,6 +187,25 @@ survey::Solution RandomArtefacts::Solution(int num_scans) {
   return solution;
 }
 
+survey::ControlledGraph RandomArtefacts::Graph(int num_nodes) {
+  survey::ControlledGraph result;
+  survey::BlockGraph& block = result.block;
+  block.num_submaps = 2;
+  for (int i = 0; i < num_nodes; ++i) block.nodes.push_back({3 * i});
+  for (int i = 0; i < num_nodes + 2; ++i) block.graph.poses.push_back(Pose());
+  block.point_names = {"P1", "P2", "P3"};
+  result.control = {"P1", "P3"};
+  for (int i = 0; i < 4; ++i) {
+    block.graph.points.push_back(Vector2());
+    block.graph.marks.push_back({i + 2, i, Vector2(), Covariance<2>()});
+  }
+  for (int i = 1; i < num_nodes + 2; ++i) {
+    const auto kind = Coin() ? survey::EdgeKind::kMotion : survey::EdgeKind::kLoop;
+    block.graph.edges.push_back({i - 1, i, Pose(), Covariance<3>(), false, kind});
+  }
+  return result;
+}
+
 std::vector<ArtefactCase> SmallArtefacts(std::uint64_t seed) {
   using std::filesystem::path;
   RandomArtefacts random(seed);
@@ -218,6 +237,11 @@ std::vector<ArtefactCase> SmallArtefacts(std::uint64_t seed) {
        [](const path& f) { formats::ReadSolution(f); },
        [](const path& f, const path& to) {
          formats::WriteSolution(to, formats::ReadSolution(f), formats::ReadScanStamps(f), formats::ReadProvenance(f));
+       }},
+      {"graph", [chain, g = random.Graph(20)](const path& f) { formats::WriteGraph(f, g, chain); },
+       [](const path& f) { formats::ReadGraph(f); },
+       [](const path& f, const path& to) {
+         formats::WriteGraph(to, formats::ReadGraph(f), formats::ReadProvenance(f));
        }},
   };
 }

@@ -12,6 +12,7 @@
 
 #include "formats/provenance.h"
 #include "survey/control/control_point.h"
+#include "survey/graph/controlled_graph.h"
 #include "survey/graph/solution.h"
 #include "survey/sensors/session.h"
 #include "survey/submaps/track.h"
@@ -28,6 +29,7 @@ class RandomArtefacts {
   survey::Loops Loops(int num_loops);
   survey::ControlNetwork Control(int num_points);
   survey::Solution Solution(int num_scans);
+  survey::ControlledGraph Graph(int num_nodes);
   std::vector<survey::StampNs> Stamps(int count);
   std::vector<survey::ScanStamp> ScanStamps(int count);
   formats::Provenance Provenance(int num_ancestors);

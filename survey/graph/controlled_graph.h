@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// What the adjustment of a block leaves for that of the whole site: its own observations with their final weights
+// (variance factors applied, robust loss frozen, marks that were left out hanging on points of their own), and which
+// control points took part. Their given coordinates are not in it: the site's network gives them, once for all blocks.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "survey/graph/block_graph.h"
+
+namespace survey {
+
+struct ControlledGraph {
+  BlockGraph block;                  // poses and points in the site frame, in the order of its adjustment
+  std::vector<std::string> control;  // points whose coordinates took part, ascending; empty: not tied
+};
+
+// `adjusted`: the graph as it was solved, with the coordinates that took part; plus `offset` it is in the site frame.
+ControlledGraph MakeControlledGraph(BlockGraph adjusted, const Eigen::Vector2d& offset);
+
+// All poses and points shifted.
+void Shift(const Eigen::Vector2d& shift, PoseGraph* graph);
+
+}  // namespace survey

@@ -252,6 +252,7 @@ TEST_F(NetworkFilesTest, StarnetNamesLineValueAndRule) {
   ExpectStarnetRefused(kHead + "D A-B 10 0.01 7\n", "\"7\" is one value too many");
   ExpectStarnetRefused(kHead + "G0 A-B 10\n", "lines of type G0 are not known here");
   ExpectStarnetRefused(kHead + "DB A\nDN B 0-00-00\n", "is not ended by DE");
+  ExpectStarnetRefused(kHead + "DB A\nD A-B 10\n", "lines of type D have no place in a direction set");
   ExpectStarnetRefused(kHead + "C A 1 2 ! *\n", "north and east must both be fixed");
   ExpectStarnetRefused(kHead + "C A 1 2\nC A 1 2\n", "station A has coordinates already");
   ExpectStarnetRefused(kHead + "L A-B 1\n", "need .3D");

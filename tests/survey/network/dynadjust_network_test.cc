@@ -53,7 +53,10 @@ TEST(DynAdjustNetworkTest, UrbanNetwork) {
   const auto folder = test_support::RealData("dynadjust");
   if (!folder) GTEST_SKIP() << "no data in ../shared/data/dynadjust";
   const test_support::DynAdjustNetwork data = test_support::ReadDynAdjust(*folder);
-  ExpectExpected(data, AdjustNetwork(data.network, {.solver = survey::NetworkSolver::kSparse}));
+  for (const survey::NetworkSolver solver : {survey::NetworkSolver::kSparse, survey::NetworkSolver::kDense}) {
+    SCOPED_TRACE(solver == survey::NetworkSolver::kSparse ? "sparse" : "dense");
+    ExpectExpected(data, AdjustNetwork(data.network, {.solver = solver}));
+  }
 }
 
 }  // namespace

@@ -168,6 +168,42 @@ std::string TestName(const testing::TestParamInfo<fs::path>& info) {
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(PublishedNetworkTest);
 INSTANTIATE_TEST_SUITE_P(Gama, PublishedNetworkTest, testing::ValuesIn(PublishedNetworks()), TestName);
 
+// Those without a published result: written in two ways they must come out alike, by both solvers.
+NetworkAdjustment Adjusted(const fs::path& folder, const std::string& name, NetworkSolver solver) {
+  survey::Network network = formats::ReadGkf(folder / (name + ".gkf")).network;
+  EXPECT_TRUE(survey::ComputeApproximations(&network).empty()) << name;
+  NetworkAdjustment adjustment = AdjustNetwork(network, {.solver = solver});
+  EXPECT_TRUE(adjustment.usable) << name << ": " << adjustment.message;
+  return adjustment;
+}
+
+void ExpectAlike(const NetworkAdjustment& a, const NetworkAdjustment& b) {
+  EXPECT_NEAR(a.chi_square, b.chi_square, kVarianceFactor * a.chi_square + 1e-9);
+  EXPECT_EQ(a.degrees_of_freedom, b.degrees_of_freedom);
+  ASSERT_EQ(a.points.size(), b.points.size());
+  for (std::size_t i = 0; i < a.points.size(); ++i)
+    EXPECT_LT((a.points[i].position - b.points[i].position).norm(), kTenthMm) << i;
+}
+
+TEST(PublishedNetworks, WrittenInTwoWaysTheyAreAlike) {
+  const auto folder = test_support::RealData("gama");
+  if (!folder) GTEST_SKIP() << "no data in ../shared/data/gama";
+  for (const auto& [name, other] : {std::pair<std::string, std::string>{"gama-local-nop", "gama-local-par"},
+                                    {"scale-cov-dms", "scale-cov-gon"},
+                                    {"railway-survey", "railway-survey-with-aproximate-xy"},
+                                    {"skorepa-dusek", "skorepa-dusek"},
+                                    {"fixed-constrained", "fixed-constrained"}}) {
+    SCOPED_TRACE(name);
+    const NetworkAdjustment first = Adjusted(*folder, name, NetworkSolver::kSparse);
+    ExpectAlike(first, Adjusted(*folder, other, NetworkSolver::kSparse));
+    if (first.num_unknowns > 500) continue;  // too many for the dense solver
+    ExpectAlike(first, Adjusted(*folder, name, NetworkSolver::kDense));
+  }
+  // An azimuth turns the network and does nothing else.
+  EXPECT_NEAR(Adjusted(*folder, "fixed-constrained", NetworkSolver::kSparse).chi_square,
+              Adjusted(*folder, "fixed-azimuth", NetworkSolver::kSparse).chi_square, 1e-6);
+}
+
 TEST(PublishedNetworks, AreThere) {
   if (PublishedNetworks().empty()) GTEST_SKIP() << "no data in ../shared/data/gama";
   EXPECT_GE(PublishedNetworks().size(), 40U);

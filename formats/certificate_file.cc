@@ -41,6 +41,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(VarianceComponent, kind, count, redundancy, f
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MarkReliability, point, used, redundancy, t, detectable, largest_shift,
                                    left_out_residual, left_out_covariance, left_out)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockReliability, block, verdict, components, marks, findings)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CrossValidation, statistics, normalised_square, sentence)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TestedCheck, kind, block, name, in_map, reference, error, reference_covariance,
                                    distance_to_control, blunder, outlier)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(AccuracyTest, statistics, verdict)
@@ -74,9 +75,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ControlChange, name, fate, before, now, shift
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockChange, name, num_poses, mean_shift, rms_shift, max_shift, place_of_max)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DeliveryChanges, control, blocks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, class_m, tied, statement, points, control_adjustment,
-                                   control_remarks, blocks, fit, reliability, checks, points_test, features_test,
-                                   points_analysis, features_analysis, stitching, joint, since_delivery, not_tested)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, metric, class_m, tied, statement, points, control_adjustment,
+                                   control_remarks, blocks, fit, reliability, cross_validation, checks, points_test,
+                                   features_test, points_analysis, features_analysis, stitching, joint, since_delivery,
+                                   not_tested)
 
 }  // namespace survey
 

@@ -8,9 +8,11 @@
 
 #include "formats/certificate_analysis.h"
 #include "formats/certificate_changes.h"
+#include "formats/certificate_control.h"
 #include "formats/certificate_figures.h"
 #include "formats/certificate_joint.h"
 #include "formats/certificate_style.h"
+#include "formats/feature_pictures.h"
 #include "formats/html.h"
 #include "formats/reliability_html.h"
 
@@ -31,10 +33,6 @@ std::string Coordinate(double metres) { return Fixed(metres, 3); }
 std::string CrsText(const Certificate& c) {
   if (!c.tied) return "local frames of the blocks";
   return c.frame.crs.empty() ? "the control's own plane (engineering system)" : Escaped(c.frame.crs);
-}
-
-std::string Count(int count, const std::string& what) {
-  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
 // The tested numbers, one column a kind of check.
@@ -149,8 +147,11 @@ std::string StatementSection(const Certificate& c) {
   html += P("Tested on: " + Escaped(c.statement.tested_on) +
                 (c.statement.num_points > 0 ? " (n = " + std::to_string(c.statement.num_points) + ")" : "") +
                 ". Wording after ASPRS Edition 2 Version 2 (2024) section 7.16 and FGDC-STD-007.3-1998, chosen from n; "
-                "horizontal, metres, coordinates as in the control list.",
+                "horizontal. " +
+                Escaped(c.metric),
             "note");
+  if (c.statement.num_points == 0 && c.cross_validation)
+    html += "<blockquote>" + Escaped(c.cross_validation->sentence) + "</blockquote>\n";
   if (!c.class_m)
     return html + P("No accuracy class was asked for (accuracy-class-m), so there is no verdict.", "note");
   html += "<div class=\"verdicts\">" +
@@ -291,59 +292,6 @@ std::string StitchingSection(const Certificate& c) {
   return heading + "<h3>Features that two blocks show</h3>" + table.Text() + SeamsText(c);
 }
 
-std::string FitSection(const Certificate& c) {
-  if (c.fit.empty()) return "";
-  HtmlTable table({"point", "block", "east (m)", "north (m)", "before dE", "before dN", "after dE", "after dN"}, 2);
-  for (const survey::FitResidual& fit : c.fit) {
-    table.Row({Escaped(fit.point), Escaped(fit.block), Coordinate(fit.given.x()), Coordinate(fit.given.y()),
-               Millimetres(fit.rigid_residual.x()), Millimetres(fit.rigid_residual.y()), Millimetres(fit.residual.x()),
-               Millimetres(fit.residual.y())});
-  }
-  return H2("Control used (fit)") +
-         P("These residuals are <b>not an accuracy</b>: the adjustment was told these coordinates. Before: after a "
-           "rigid "
-           "fit of the whole block; after: adjusted; mm.",
-           "note lead") +
-         table.Text();
-}
-
-// How the control was adjusted and brought into the site's system.
-std::string ControlNetworkText(const Certificate& c) {
-  std::string html;
-  if (c.control_adjustment) {
-    const survey::AdjustmentSummary& s = *c.control_adjustment;
-    html += "Adjusted by " + Escaped(s.software) + (s.description.empty() ? "" : " (" + Escaped(s.description) + ")") +
-            ": " + Count(s.num_observations, "observation") + ", " + Count(s.num_unknowns, "unknown") + ", datum " +
-            (s.defect > 0 ? "free (defect " + std::to_string(s.defect) + ")" : "fixed") + ". ";
-    if (s.degrees_of_freedom > 0) {
-      html += "&sigma;<sub>0</sub> a posteriori " + Fixed(s.sigma_zero / s.sigma_zero_a_priori, 3) +
-              " of the a priori value; &chi;&sup2; test at " + Fixed(100 * s.confidence, 0) +
-              " %: " + Fixed(s.chi_square_lower, 2) + " &lt; " + Fixed(s.chi_square, 2) + " &lt; " +
-              Fixed(s.chi_square_upper, 2) + (s.ChiSquareHolds() ? " passed" : " <b>failed</b>") + ". ";
-    } else {
-      html += "No redundancy: nothing was tested. ";
-    }
-    if (s.num_suspected > 0) html += Count(s.num_suspected, "observation") + " suspected as outliers, all kept. ";
-    if (s.num_uncontrolled > 0) html += Count(s.num_uncontrolled, "observation") + " not controlled by any other. ";
-  }
-  for (const std::string& remark : c.control_remarks) html += Escaped(remark) + ". ";
-  return html.empty() ? "" : P(html, "note");
-}
-
-std::string ControlListSection(const Certificate& c) {
-  HtmlTable table({"point", "role", "description", "east (m)", "north (m)", "&sigma;E (mm)", "&sigma;N (mm)"}, 3);
-  bool any = false;
-  for (const survey::ControlPoint& point : c.points) {
-    if (point.role == survey::PointRole::kTie) continue;
-    any = true;
-    table.Row({Escaped(point.name), std::string(survey::Name(point.role)),
-               Escaped(point.description) + (point.reason.empty() ? "" : " <i>" + Escaped(point.reason) + "</i>"),
-               Coordinate(point.position_in_site.x()), Coordinate(point.position_in_site.y()),
-               Millimetres(std::sqrt(point.covariance(0, 0))), Millimetres(std::sqrt(point.covariance(1, 1)))});
-  }
-  return any ? H2("Control list") + ControlNetworkText(c) + table.Text() : "";
-}
-
 // Which block a record worked for: the names in the roles of the site's stages ("solution B1"), handed down to the
 // inputs. Records that several blocks share belong to the site.
 std::map<std::string, std::string> BlocksOfRecords(const Provenance& provenance) {
@@ -449,9 +397,9 @@ std::string CertificateHtml(const CertificatePage& page) {
   html += TestedSection(c) + NotTestedSection(c) + MapSection(page);
   html += "<h1 class=\"appendices\">Appendices</h1>\n";
   if (c.since_delivery) html += ChangesSection(*c.since_delivery);
-  html += ClassesSection(c) + AnalysisSection(c) + ChecksSection(c) + BlocksSection(c) + StitchingSection(c) +
-          (c.joint ? JointSection(*c.joint) : "") + FitSection(c) + ReliabilitySection(c.reliability) +
-          ControlListSection(c) + ProvenanceSection(page.provenance);
+  html += ClassesSection(c) + AnalysisSection(c) + ChecksSection(c) + FeaturePicturesSection(page) + BlocksSection(c) +
+          StitchingSection(c) + (c.joint ? JointSection(*c.joint) : "") + ControlUsedSection(c) +
+          ReliabilitySection(c.reliability) + ControlListSection(c) + ProvenanceSection(page.provenance);
   if (c.tied) html += Formulas();
   return html + "</body></html>\n";
 }

@@ -20,10 +20,17 @@ struct BlockTrajectory {
   std::vector<Eigen::Vector2d> positions_in_site;
 };
 
+// What the map shows about a check feature.
+struct FeatureWindow {
+  std::string name;
+  MapThumbnail picture;
+};
+
 struct CertificatePage {
   survey::Certificate certificate;
   Provenance provenance;  // of the page: its chain ends at the raw logs
   std::optional<MapThumbnail> map;
+  std::vector<FeatureWindow> features;
   std::vector<BlockTrajectory> trajectories;  // of tied blocks
 };
 

@@ -52,7 +52,7 @@ GridScale GridScaleAt(const std::string& crs, const Eigen::Vector2d& east_north,
   const double sine = std::sin(place_of(east_north.x(), east_north.y()).latitude * M_PI / 180.0);
   const double e2 = f * (2.0 - f);
   const double radius = a * std::sqrt(1.0 - e2) / (1.0 - e2 * sine * sine);
-  return {.projection = sum / 2.0, .height = radius / (radius + ellipsoidal_height_m)};
+  return {.projection = sum / 2.0, .height = radius / (radius + ellipsoidal_height_m), .radius_m = radius};
 }
 
 }  // namespace formats

@@ -13,6 +13,7 @@ namespace formats {
 struct GridScale {
   double projection = 1.0;  // grid over ellipsoid
   double height = 1.0;      // ellipsoid over ground
+  double radius_m = 0.0;    // R
   double Combined() const { return projection * height; }
 };
 

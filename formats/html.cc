@@ -43,6 +43,10 @@ std::string Fixed(double value, int decimals) {
 
 std::string Millimetres(double metres) { return Fixed(metres * 1000.0, 1); }
 
+std::string Count(int count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
 std::string Base64(std::string_view bytes) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;

@@ -11,8 +11,9 @@
 namespace formats {
 
 std::string Escaped(std::string_view text);
-std::string Fixed(double value, int decimals);  // "-0.00" prints as "0.00"
-std::string Millimetres(double metres);         // "12.3"
+std::string Fixed(double value, int decimals);          // "-0.00" prints as "0.00"
+std::string Millimetres(double metres);                 // "12.3"
+std::string Count(int count, const std::string& what);  // "1 point", "3 points"
 std::string Base64(std::string_view bytes);
 
 // Text that is HTML already, in a paragraph (of a class), a heading, a figure with its caption.

@@ -5,9 +5,11 @@
 #include <ogr_spatialref.h>
 
 #include <array>
+#include <cstdio>
 
 #include "formats/errors.h"
 #include "formats/raster_crs.h"
+#include "formats/site_metric.h"
 
 namespace formats {
 namespace {
@@ -21,6 +23,16 @@ std::array<double, 6> GeoTransformOf(const survey::SiteRaster& frame) {
           static_cast<double>(frame.min_row + frame.height) * s,
           0.0,
           -s};
+}
+
+void DescribeMetric(GDALDataset* data, const survey::SiteRaster& frame, const RasterLabel& label) {
+  const SiteMetric metric = MetricAt(label, frame.CentreOf(frame.width / 2, frame.height / 2));
+  data->SetMetadataItem(kDistancesItem, metric.distances.c_str());
+  data->SetMetadataItem(kMetricItem, MetricText(metric).c_str());
+  if (!metric.scale) return;
+  char scale[32];
+  std::snprintf(scale, sizeof scale, "%.8f", metric.scale->projection);
+  data->SetMetadataItem(kPointScaleItem, scale);
 }
 
 }  // namespace
@@ -37,6 +49,7 @@ void Describe(GDALDataset* data, const survey::SiteRaster& frame, const RasterLa
   data->SetMetadataItem(kContentItem, content);
   data->SetMetadataItem(kTiedItem, label.tied ? "yes" : "no");
   if (label.tied && !label.frame.crs.empty()) data->SetMetadataItem(kCrsItem, label.frame.crs.c_str());
+  DescribeMetric(data, frame, label);
   data->SetMetadataItem(kProvenanceItem, ToJson(provenance).dump().c_str());
 }
 

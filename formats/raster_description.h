@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What every GeoTIFF of Plumbline says of itself beside its cells: georeference, CRS, tied or not, content, provenance.
+// What every GeoTIFF of Plumbline says of itself beside its cells: georeference, CRS, tied or not, metric,
+// content, provenance.
 #pragma once
 
 #include "formats/provenance.h"
@@ -16,6 +17,9 @@ inline constexpr const char* kProvenanceItem = "PLUMBLINE_PROVENANCE";
 inline constexpr const char* kTiedItem = "PLUMBLINE_TIED";
 inline constexpr const char* kCrsItem = "PLUMBLINE_CRS";
 inline constexpr const char* kContentItem = "PLUMBLINE_CONTENT";
+inline constexpr const char* kDistancesItem = "PLUMBLINE_DISTANCES";
+inline constexpr const char* kMetricItem = "PLUMBLINE_METRIC";
+inline constexpr const char* kPointScaleItem = "PLUMBLINE_POINT_SCALE";
 
 void Describe(GDALDataset* data, const survey::SiteRaster& frame, const RasterLabel& label,
               const Provenance& provenance, const char* content);

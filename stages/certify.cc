@@ -14,6 +14,7 @@
 #include "formats/features_csv.h"
 #include "formats/joint_file.h"
 #include "formats/seam_summary.h"
+#include "formats/site_metric.h"
 #include "pipeline/stage.h"
 
 namespace {
@@ -128,6 +129,7 @@ void Run(const CertifyFiles& files, survey::CertifyInput input, pipeline::StageR
   }
   survey::Certificate certificate = survey::Certify(input);
   if (!files.joint.empty()) certificate.joint = formats::ReadJoint(files.joint);
+  if (certificate.tied) certificate.metric = formats::MetricSentence(input.network);
   certificate.since_delivery = ChangesSinceDelivery(files, input);
   formats::WriteCertificate(files.output, certificate, run.Provenance());
   run.Message(Summary(certificate));

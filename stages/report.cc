@@ -5,6 +5,7 @@
 #include "formats/atomic_file.h"
 #include "formats/certificate_file.h"
 #include "formats/certificate_html.h"
+#include "formats/feature_pictures.h"
 #include "formats/site_vectors.h"
 #include "formats/vector_files.h"
 #include "pipeline/stage.h"
@@ -46,7 +47,10 @@ int main(int argc, char** argv) {
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     formats::CertificatePage page{.certificate = formats::ReadCertificate(certificate),
                                   .trajectories = ReadTrajectories(solutions)};
-    if (!site_map.empty()) page.map = formats::ReadMapThumbnail(site_map, kMapPixels);
+    if (!site_map.empty()) {
+      page.map = formats::ReadMapThumbnail(site_map, kMapPixels);
+      page.features = formats::ReadFeatureWindows(site_map, page.certificate);
+    }
     page.provenance = run.Provenance();
     formats::WriteFileAtomically(output, formats::CertificateHtml(page));
     const std::vector<formats::VectorLayer> layers = formats::SiteVectorLayers(page.certificate, page.trajectories);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What the certificate of a site says. Lengths in metres, site frame (east, north). Three levels of evidence are kept
-// apart: "tested" (check points and check features that the adjustment never saw), "relative" and "stitching" (the
-// map's inner agreement, [CN] tables 1 and 3), "fit" (control that was used: says nothing about accuracy).
+// What the certificate of a site says. Lengths in metres, site frame (east, north). Four levels of evidence are kept
+// apart: "tested" (check points and check features that the adjustment never saw), "cross-validated" (control against
+// all other control), "relative" and "stitching" (the map's inner agreement, [CN] tables 1 and 3), "fit" (control that
+// was used: says nothing about accuracy).
 #pragma once
 
 #include <Eigen/Core>
@@ -12,6 +13,7 @@
 
 #include "survey/accuracy/check_analysis.h"
 #include "survey/accuracy/control_reliability.h"
+#include "survey/accuracy/cross_validation.h"
 #include "survey/accuracy/delivery.h"
 #include "survey/accuracy/error_statistics.h"
 #include "survey/control/control_point.h"
@@ -121,6 +123,7 @@ struct Statement {
 struct Certificate {
   std::string site;
   SiteFrame frame;
+  std::string metric;             // sentence: grid or ground distances, the factor between them
   std::optional<double> class_m;  // RMSE_H asked for
   bool tied = false;              // at least one block is; otherwise this is a map report
   Statement statement;
@@ -130,6 +133,7 @@ struct Certificate {
   std::vector<BlockCertificate> blocks;
   std::vector<FitResidual> fit;
   std::vector<BlockReliability> reliability;  // of the control of tied blocks
+  std::optional<CrossValidation> cross_validation;
   std::vector<TestedCheck> checks;
   AccuracyTest points_test;  // all tied blocks together
   AccuracyTest features_test;

@@ -59,6 +59,7 @@ class Certifier {
     for (const CertifiedBlock& block : input_.blocks) certificate_.blocks.push_back(Summary(block));
     TestSite(CheckKind::kPoint, &certificate_.points_test, &certificate_.points_analysis);
     TestSite(CheckKind::kFeature, &certificate_.features_test, &certificate_.features_analysis);
+    certificate_.cross_validation = CrossValidate(certificate_.reliability, input_.network);
     FlagBlunders();
     CompareBlocks();
     MakeStatement();

@@ -49,6 +49,9 @@ survey::Certificate Example() {
   input.blocks = {{"B1", solution, shifted}, {"B2", solution, exact}};
   input.seams = {{.block_a = "B1", .block_b = "B2", .overlap_area_m2 = 12.5, .num_windows = 1, .rms = 0.01}};
   survey::Certificate certificate = survey::Certify(input);
+  certificate.metric = "metres on the grid";
+  certificate.cross_validation = survey::CrossValidation{
+      .statistics = certificate.points_test.statistics, .normalised_square = 1.1, .sentence = "Cross-validated"};
   certificate.since_delivery = survey::CompareDeliveries(
       {.points = {{"C1", survey::PointRole::kControl, {1, 2}}}, .poses = {{"B1", 5, {1, 2}}, {"B2", 5, {1, 2}}}},
       {.points = {{"C1", survey::PointRole::kControl, {1, 2.01}}, {"K1", survey::PointRole::kCheck, {5, 5}}},

@@ -8,6 +8,7 @@
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/grid_scale.h"
+#include "formats/site_metric.h"
 #include "formats/tie_csv.h"
 #include "tests/support/scratch_folder.h"
 
@@ -146,6 +147,23 @@ TEST(GridScaleTest, UtmAndHeight) {
   const std::string ldp = "+proj=tmerc +lat_0=48 +lon_0=11.5 +k=1.00008 +x_0=10000 +y_0=20000 +ellps=GRS80 +units=m";
   EXPECT_NEAR(formats::GridScaleAt(ldp, {10000, 20000}, 510.6).Combined(), 1.0, 1e-7);
   EXPECT_THROW(formats::GridScaleAt("EPSG:4326", {11, 48}, 0), formats::UsageError);
+}
+
+TEST(SiteMetricTest, SaysGridOrGround) {
+  const Eigen::Vector2d place(500000, 5334000);
+  EXPECT_EQ(formats::MetricAt({.frame = {.crs = "EPSG:25832"}, .tied = true}, place).distances, "grid");
+  EXPECT_EQ(formats::MetricAt({.frame = {}, .tied = true}, place).distances, "plane of the control");
+  EXPECT_EQ(formats::MetricAt({.frame = {.crs = "EPSG:25832"}, .tied = false}, place).distances, "local");
+  survey::ControlNetwork network{.frame = {.crs = "EPSG:25832"}};
+  network.points.push_back({.name = "1", .position_in_site = place, .elevation_m = 638.045});
+  const std::string sentence = formats::MetricSentence(network);
+  // 0.9996 on the meridian, divided by 1.0001 at this height.
+  EXPECT_NE(sentence.find("point scale 0.99960000"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("combined factor 0.999500"), std::string::npos) << sentence;
+  network.points[0].elevation_m.reset();
+  EXPECT_NE(formats::MetricSentence(network).find("needs heights"), std::string::npos);
+  network.frame.crs.clear();
+  EXPECT_NE(formats::MetricSentence(network).find("own plane"), std::string::npos);
 }
 
 }  // namespace

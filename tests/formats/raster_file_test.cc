@@ -396,8 +396,10 @@ TEST(RasterFile, GdalinfoSaysTheSame) {
   const auto result = test_support::RunCommand({"gdalinfo", (scratch / "site.tif").string()});
   EXPECT_EQ(result.status, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* text : {"ID[\"EPSG\",25832]", "Origin = (500000.05000000", "Pixel Size = (0.05", "LAYOUT=COG",
-                           "NoData Value=255", "PLUMBLINE_TIED=yes"}) {
+  for (const char* text :
+       {"ID[\"EPSG\",25832]", "Origin = (500000.05000000", "Pixel Size = (0.05", "LAYOUT=COG", "NoData Value=255",
+        "PLUMBLINE_TIED=yes", "PLUMBLINE_DISTANCES=grid", "PLUMBLINE_POINT_SCALE=0.99960000",
+        "PLUMBLINE_METRIC=grid distances, metres; ground = grid / (0.99960000 R / (R + h))"}) {
     EXPECT_NE(result.out.find(text), std::string::npos) << text << "\n" << result.out;
   }
 }

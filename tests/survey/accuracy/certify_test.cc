@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace survey {
 namespace {
@@ -127,6 +128,29 @@ TEST(CertifyTest, NothingToTest) {
   EXPECT_NE(c.statement.asprs.find("produced to meet"), std::string::npos);
   EXPECT_FALSE(c.statement.meets.has_value());
   EXPECT_EQ(c.not_tested.size(), 7U);  // B1, B2, B3, K1, K2, walls, heights
+}
+
+// Control against all other control: a level of its own, by hand; the point that is marked twice does not count.
+TEST(CertifyTest, CrossValidatesControl) {
+  CertifyInput input = Input();
+  EXPECT_FALSE(Certify(input).cross_validation);  // nothing controls two marks
+  input.reference_features.clear();
+  Solution& solution = input.blocks[0].solution;
+  solution.marks.pop_back();  // the check point
+  const MarkTest test{.redundancy = 0.4, .detectable = 0.03, .left_out_covariance = kSurvey};
+  for (SolvedMark& mark : solution.marks) mark.test = test;
+  solution.marks[0].test->left_out = {0.003, 0.004};
+  solution.marks[1].test->left_out = {0.001, 0.0};
+  solution.marks.push_back(solution.marks[1]);  // C2 again
+  const Certificate c = Certify(input);
+  ASSERT_TRUE(c.cross_validation);
+  EXPECT_EQ(c.cross_validation->statistics.num_errors, 1);
+  EXPECT_NEAR(c.cross_validation->statistics.rmse, 0.005, 1e-12);
+  EXPECT_NEAR(c.cross_validation->statistics.rmse_survey, std::sqrt(8e-6), 1e-12);
+  EXPECT_NEAR(c.cross_validation->normalised_square.value(), 25.0 / 4.0 / 2.0, 1e-9);
+  EXPECT_NE(c.cross_validation->sentence.find("not tested: 1 control point"), std::string::npos);
+  EXPECT_EQ(c.statement.tested_on, "nothing");
+  EXPECT_FALSE(c.statement.meets.has_value());
 }
 
 TEST(CertifyTest, ListsWhatWasNotFound) {

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
@@ -17,12 +19,16 @@ using nlohmann::json;
 using survey::Answer;
 using survey::Decision;
 
-constexpr std::array kDecisions = {Decision::kConfirm, Decision::kCorrect, Decision::kPick, Decision::kRejectStretch,
-                                   Decision::kSkip};
-constexpr std::array kKnownKeys = {"schema", "stamp_ns", "decision", "ref", "pose", "sigma", "end_ns"};
+constexpr std::array kDecisions = {Decision::kConfirm, Decision::kCorrect,       Decision::kPick,
+                                   Decision::kRelate,  Decision::kRejectStretch, Decision::kSkip};
+constexpr std::array kRelations = {survey::WallRelation::kCollinear, survey::WallRelation::kParallel,
+                                   survey::WallRelation::kPerpendicular};
+constexpr std::array kKnownKeys = {"schema", "stamp_ns", "decision", "frame",    "ref",
+                                   "pose",   "sigma",    "end_ns",   "relation", "wall"};
 // For people: they do not count.
 constexpr std::array kRemarks = {"id", "operator", "tool", "shown_at", "answered_at", "comment"};
 constexpr double kMaxDistance_m = 100.0;
+constexpr double kShortestWall_m = 0.5;
 
 // Reads one answer; every complaint starts with its file.
 class AnswerReader {
@@ -42,6 +48,7 @@ class AnswerReader {
     answer.scan = ScanAt("stamp_ns", Get("stamp_ns"));
     answer.decision = ReadDecision();
     if (answer.HasPose()) ReadPose(&answer);
+    if (answer.decision == Decision::kRelate) ReadWalls(&answer);
     if (answer.decision == Decision::kRejectStretch) {
       answer.end = ScanAt("end_ns", Get("end_ns"));
       if (answer.end < answer.scan) FailAt("end_ns", Get("end_ns"), "must not be before stamp_ns");
@@ -67,8 +74,8 @@ class AnswerReader {
     for (const auto& [key, value] : document_.items()) {
       if (among(kRemarks, key)) continue;
       if (!among(kKnownKeys, key))
-        Fail("unknown key \"" + key + "\"; known are schema, stamp_ns, decision, ref, pose, sigma, end_ns, and the " +
-             "remarks id, operator, tool, shown_at, answered_at, comment");
+        Fail("unknown key \"" + key + "\"; known are schema, stamp_ns, decision, frame, ref, pose, sigma, end_ns, " +
+             "relation, wall, and the remarks id, operator, tool, shown_at, answered_at, comment");
     }
     if (Get("schema") != 1) FailAt("schema", Get("schema"), "must be 1");
   }
@@ -77,39 +84,95 @@ class AnswerReader {
     for (const Decision decision : kDecisions) {
       if (Get("decision") == Name(decision)) return decision;
     }
-    FailAt("decision", Get("decision"), "must be confirm, correct, pick, reject_stretch or skip");
+    FailAt("decision", Get("decision"), "must be confirm, correct, pick, relate, reject_stretch or skip");
+  }
+
+  // A number or, as pages in a browser need it, a text.
+  static std::optional<survey::StampNs> StampOf(const json& value) {
+    if (value.is_number_integer()) return value.get<survey::StampNs>();
+    if (!value.is_string()) return std::nullopt;
+    const std::string& text = value.get_ref<const std::string&>();
+    survey::StampNs stamp = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), stamp);
+    return error == std::errc() && end == text.data() + text.size() ? std::optional(stamp) : std::nullopt;
   }
 
   survey::ScanId ScanAt(const char* key, const json& value) const {
-    if (!value.is_number_integer()) FailAt(key, value, "expected the stamp of a scan in nanoseconds");
-    const auto found = std::lower_bound(stamps_.begin(), stamps_.end(), value.get<survey::StampNs>());
-    if (found == stamps_.end() || *found != value.get<survey::StampNs>())
-      FailAt(key, value, "the block has no scan with this stamp");
+    const std::optional<survey::StampNs> stamp = StampOf(value);
+    if (!stamp) FailAt(key, value, "expected the stamp of a scan in nanoseconds");
+    const auto found = std::lower_bound(stamps_.begin(), stamps_.end(), *stamp);
+    if (found == stamps_.end() || *found != *stamp) FailAt(key, value, "the block has no scan with this stamp");
     return {static_cast<int>(found - stamps_.begin())};
   }
 
-  void ReadPose(Answer* answer) const {
-    const json& reference = Get("ref");
-    if (!reference.is_object() || !reference.contains("stamp_ns") || reference.size() != 1)
-      FailAt("ref", reference, "expected {\"stamp_ns\": the scan in whose frame the pose is given}");
-    answer->reference = ScanAt("ref.stamp_ns", reference["stamp_ns"]);
-    if (!(answer->reference < answer->scan)) FailAt("ref", reference, "must be an earlier scan");
-    const Eigen::Vector3d pose = ReadThree("pose");
-    if (pose.head<2>().norm() > kMaxDistance_m)
-      FailAt("pose", document_["pose"], "outside the map: farther than 100 m from the reference");
-    answer->reference_from_scan = {pose.x(), pose.y(), survey::NormalizeAngle(pose.z())};
-    if (answer->decision == Decision::kConfirm) answer->sigma = {0.2, 0.2, 0.07};
-    if (!document_.contains("sigma")) return;
-    answer->sigma = ReadThree("sigma");
-    if (!(answer->sigma.minCoeff() > 0.0)) FailAt("sigma", document_["sigma"], "must be positive");
+  bool InSite() const {
+    if (!document_.contains("frame") || document_["frame"] == "ref") return false;
+    if (document_["frame"] != "site") FailAt("frame", document_["frame"], "must be ref or site");
+    if (document_.contains("ref")) FailAt("ref", document_["ref"], "a pose in the frame \"site\" has no reference");
+    return true;
   }
 
-  Eigen::Vector3d ReadThree(const char* key) const {
-    const json& value = Get(key);
-    const bool three = value.is_array() && value.size() == 3 &&
-                       std::all_of(value.begin(), value.end(), [](const json& number) { return number.is_number(); });
-    if (!three) FailAt(key, value, "expected [x (m), y (m), theta (rad)]");
-    const Eigen::Vector3d numbers(value[0].get<double>(), value[1].get<double>(), value[2].get<double>());
+  void ReadReference(const char* form, std::size_t keys, Answer* answer) const {
+    const json& reference = Get("ref");
+    if (!reference.is_object() || !reference.contains("stamp_ns") || reference.size() != keys)
+      FailAt("ref", reference, form);
+    answer->reference = ScanAt("ref.stamp_ns", reference["stamp_ns"]);
+    if (!(answer->reference < answer->scan)) FailAt("ref", reference, "must be an earlier scan");
+  }
+
+  void ReadPose(Answer* answer) const {
+    const bool in_site = InSite();
+    if (!in_site) ReadReference("expected {\"stamp_ns\": the scan in whose frame the pose is given}", 1, answer);
+    const auto numbers = Numbers<3>("pose", Get("pose"), "expected [x (m), y (m), theta (rad)]");
+    const survey::Pose2 pose{numbers.x(), numbers.y(), survey::NormalizeAngle(numbers.z())};
+    if (in_site) {
+      answer->site_from_scan = pose;
+    } else {
+      if (pose.Translation().norm() > kMaxDistance_m)
+        FailAt("pose", document_["pose"], "outside the map: farther than 100 m from the reference");
+      answer->reference_from_scan = pose;
+    }
+    if (answer->decision == Decision::kConfirm) answer->sigma = {0.2, 0.2, 0.07};
+    ReadSigma("expected [x (m), y (m), theta (rad)]", &answer->sigma);
+  }
+
+  void ReadWalls(Answer* answer) const {
+    ReadReference("expected {\"stamp_ns\": an earlier scan, \"wall\": a wall in its frame}", 2, answer);
+    survey::WallPair& walls = answer->walls.emplace();
+    const auto relation = std::find_if(kRelations.begin(), kRelations.end(),
+                                       [&](survey::WallRelation each) { return Get("relation") == Name(each); });
+    if (relation == kRelations.end())
+      FailAt("relation", Get("relation"), "must be collinear, parallel or perpendicular");
+    walls.relation = *relation;
+    if (!document_["ref"].contains("wall")) Fail("ref.wall is missing");
+    walls.in_base = ReadWall("ref.wall", document_["ref"]["wall"]);
+    walls.in_target = ReadWall("wall", Get("wall"));
+    ReadSigma("expected [distance (m), angle (rad)]", &answer->wall_sigma);
+  }
+
+  survey::WallSegment ReadWall(const char* key, const json& value) const {
+    constexpr const char* kForm = "expected [[x, y], [x, y]], the ends of a wall (m)";
+    if (!value.is_array() || value.size() != 2) FailAt(key, value, kForm);
+    const survey::WallSegment wall{Numbers<2>(key, value[0], kForm), Numbers<2>(key, value[1], kForm)};
+    if (wall.Length() < kShortestWall_m) FailAt(key, value, "is shorter than 0.5 m: its direction is too vague");
+    if (std::max(wall.a.norm(), wall.b.norm()) > kMaxDistance_m) FailAt(key, value, "farther than 100 m from its scan");
+    return wall;
+  }
+
+  template <int N>
+  void ReadSigma(const char* form, Eigen::Vector<double, N>* sigma) const {
+    if (!document_.contains("sigma")) return;
+    *sigma = Numbers<N>("sigma", document_["sigma"], form);
+    if (!(sigma->minCoeff() > 0.0)) FailAt("sigma", document_["sigma"], "must be positive");
+  }
+
+  template <int N>
+  Eigen::Vector<double, N> Numbers(const char* key, const json& value, const char* form) const {
+    const bool fits = value.is_array() && value.size() == N &&
+                      std::all_of(value.begin(), value.end(), [](const json& number) { return number.is_number(); });
+    if (!fits) FailAt(key, value, form);
+    Eigen::Vector<double, N> numbers;
+    for (int i = 0; i < N; ++i) numbers[i] = value[static_cast<std::size_t>(i)].get<double>();
     if (!numbers.allFinite()) FailAt(key, value, "must be finite");
     return numbers;
   }
@@ -135,16 +198,35 @@ survey::Answers ReadAnswers(const std::vector<std::filesystem::path>& files,
   return answers;
 }
 
+std::string CanonicalLine(const Answer& answer) {
+  std::string line = std::to_string(answer.scan.value) + " " + std::string(Name(answer.decision));
+  const auto add = [&line](std::initializer_list<double> numbers) {
+    for (const double number : numbers) {
+      char text[40];
+      std::snprintf(text, sizeof text, " %.17g", number);
+      line += text;
+    }
+  };
+  const auto add_wall = [&](const survey::WallSegment& wall) { add({wall.a.x(), wall.a.y(), wall.b.x(), wall.b.y()}); };
+  if (answer.reference.value >= 0) line += " ref " + std::to_string(answer.reference.value);
+  if (answer.end.value >= 0) line += " end " + std::to_string(answer.end.value);
+  if (answer.HasPose()) {
+    const survey::Pose2 pose = answer.site_from_scan.value_or(answer.reference_from_scan);
+    line += answer.site_from_scan ? " site" : "";
+    add({pose.x, pose.y, pose.theta, answer.sigma.x(), answer.sigma.y(), answer.sigma.z()});
+  }
+  if (answer.walls) {
+    line += " " + std::string(Name(answer.walls->relation));
+    add_wall(answer.walls->in_base);
+    add_wall(answer.walls->in_target);
+    add({answer.wall_sigma.x(), answer.wall_sigma.y()});
+  }
+  return line;
+}
+
 std::string CanonicalText(const survey::Answers& answers) {
   std::string text;
-  for (const Answer& answer : answers) {
-    char line[400];
-    std::snprintf(line, sizeof line, "%d %s %d %d %.17g %.17g %.17g %.17g %.17g %.17g\n", answer.scan.value,
-                  std::string(Name(answer.decision)).c_str(), answer.reference.value, answer.end.value,
-                  answer.reference_from_scan.x, answer.reference_from_scan.y, answer.reference_from_scan.theta,
-                  answer.sigma.x(), answer.sigma.y(), answer.sigma.z());
-    text += line;
-  }
+  for (const Answer& answer : answers) text += CanonicalLine(answer) + "\n";
   return text;
 }
 

@@ -123,6 +123,14 @@ CREATE TABLE requests (
   doubt REAL NOT NULL,  -- larger is worse
   message TEXT NOT NULL
 ) STRICT;
+CREATE TABLE request_modes (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  request INTEGER NOT NULL REFERENCES requests (id),
+  x REAL NOT NULL,      -- local_from_scan that the request's scan may have: m
+  y REAL NOT NULL,      -- m
+  theta REAL NOT NULL,  -- rad
+  weight REAL NOT NULL CHECK (weight >= 0 AND weight <= 1.000001)
+) STRICT;
 CREATE TABLE navigation (
   id INTEGER PRIMARY KEY CHECK (id = 0),
   inertial REAL NOT NULL CHECK (inertial >= 0),  -- s by the IMU, with or without odometry beside it
@@ -424,7 +432,7 @@ CREATE TABLE edges (
 
 constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kSession, 1, "session", kSessionSchema},
-    ArtefactFormat{ArtefactKind::kTrack, 2, "track", kTrackSchema},
+    ArtefactFormat{ArtefactKind::kTrack, 3, "track", kTrackSchema},
     ArtefactFormat{ArtefactKind::kLoops, 1, "loops", kLoopsSchema},
     ArtefactFormat{ArtefactKind::kControl, 2, "control", kControlSchema},
     ArtefactFormat{ArtefactKind::kSolution, 3, "solution", kSolutionSchema},

@@ -26,6 +26,27 @@ constexpr auto kRequestRow = [](auto& row, auto& id, auto& request) {
   row(id, request.scan, request.cause, request.doubt, request.message);
 };
 
+void WriteModes(ArtefactWriter& writer, const std::vector<survey::ReviewRequest>& requests) {
+  writer.Table("request_modes", [&](TableWriter& row) {
+    int id = 0;
+    for (std::size_t request = 0; request < requests.size(); ++request) {
+      for (const survey::RequestMode& mode : requests[request].modes)
+        row(id++, request, mode.local_from_scan, mode.weight);
+    }
+  });
+}
+
+void ReadModes(ArtefactReader& reader, std::vector<survey::ReviewRequest>* requests) {
+  reader.Table("request_modes", [&](TableReader& row) {
+    int id = -1;
+    std::size_t request = 0;
+    survey::RequestMode mode;
+    row(id, request, mode.local_from_scan, mode.weight);
+    row.Require(request < requests->size(), "unknown request");
+    (*requests)[request].modes.push_back(mode);
+  });
+}
+
 void WriteSubmaps(ArtefactWriter& writer, const std::vector<survey::Submap>& submaps) {
   writer.Table("submaps", [&](TableWriter& row) {
     for (const survey::Submap& submap : submaps) row(submap.id, submap.local_from_submap);
@@ -67,6 +88,7 @@ void WriteTrack(const std::filesystem::path& file, const survey::Track& track,
   WriteRows(writer, "constraints", track.constraints, kConstraintRow);
   WriteRows(writer, "marks", track.marks, kMarkRow);
   WriteRows(writer, "requests", track.requests, kRequestRow);
+  WriteModes(writer, track.requests);
   WriteOneRow(writer, "navigation", track.navigation, kNavigationRow);
   writer.Commit();
 }
@@ -79,6 +101,7 @@ survey::Track ReadTrack(const std::filesystem::path& file) {
   track.constraints = ReadRows<survey::SubmapConstraint>(reader, "constraints", kConstraintRow);
   track.marks = ReadRows<survey::TrackedMark>(reader, "marks", kMarkRow);
   track.requests = ReadRows<survey::ReviewRequest>(reader, "requests", kRequestRow);
+  ReadModes(reader, &track.requests);
   track.navigation = ReadOneRow<survey::NavigationSummary>(reader, "navigation", kNavigationRow);
   return track;
 }

@@ -112,7 +112,8 @@ define block
 $(call stage,ingest,$(1),$(call source,$(call raw,$(1)) $(call marks,$(1))),work/$(1)/session.sqlite,\
   --raw $(call raw,$(1)) $(addprefix --marks ,$(call marks,$(1))) --output work/$(1)/session.sqlite)
 $(call stage,track,$(1),work/$(1)/session.sqlite $(call source,$(call answers,$(1))),work/$(1)/track.sqlite,\
-  --session work/$(1)/session.sqlite $(addprefix --answers ,$(call answers,$(1))) --output work/$(1)/track.sqlite)
+  --session work/$(1)/session.sqlite $(addprefix --answers ,$(call answers,$(1))) --output work/$(1)/track.sqlite\
+  --cache work/$(1)/particles.cache)
 $(call stage,loops,$(1),work/$(1)/session.sqlite work/$(1)/track.sqlite,work/$(1)/loops.sqlite,\
   --session work/$(1)/session.sqlite --track work/$(1)/track.sqlite --output work/$(1)/loops.sqlite)
 $(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call control-of,$(1))\

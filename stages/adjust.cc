@@ -29,13 +29,6 @@ std::string Summary(const survey::Solution& solution) {
   return text + residuals;
 }
 
-std::string Conflict(const survey::AnswerTest& answer) {
-  char text[120];
-  std::snprintf(text, sizeof text, ": in conflict with the other observations (chi-square %.1f, limit 14.2)",
-                answer.chi_square);
-  return "answer " + answer.name + text;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -76,9 +69,6 @@ int main(int argc, char** argv) {
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
     if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());
     for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
-    for (const survey::AnswerTest& answer : adjustment.answers) {
-      if (answer.in_conflict) run.Warn(Conflict(answer));
-    }
     run.Message(Summary(adjustment.solution));
   });
 }

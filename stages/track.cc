@@ -8,7 +8,9 @@
 #include "formats/answers_file.h"
 #include "formats/artefacts.h"
 #include "formats/digest.h"
+#include "formats/filter_checkpoint.h"
 #include "pipeline/stage.h"
+#include "survey/particles/filter_requests.h"
 #include "survey/particles/filtered_track.h"
 #include "survey/particles/particle_filter.h"
 #include "survey/submaps/tracker.h"
@@ -82,19 +84,38 @@ void DeclareFilter(pipeline::Stage* stage, survey::ParticleFilterOptions* option
                 {.min = 1e-3, .max = 1.0});
   stage->Option("resampling-share", &options->resampling_share,
                 "particles are resampled when their effective number is below this share", {.min = 0.0, .max = 1.0});
+  stage->Option("drops-together", &options->drops_together,
+                "such drops so few updates apart make one request; 0: each is asked", {.min = 0, .max = 1000});
 }
 
-// [AS]: the filter's poses along its best trajectory.
+// What the updates depend on besides the answers: this program, the session, the options.
+std::string KeyOfCheckpoint(pipeline::StageRun& run) {
+  std::vector<formats::ProvenanceInput> inputs = run.Provenance().Own().inputs;
+  std::erase_if(inputs, [](const formats::ProvenanceInput& input) { return input.role == "answers"; });
+  return formats::Sha256OfFile("/proc/self/exe") + run.ProvenanceOf(inputs).Own().Id();
+}
+
+// [AS]: the filter's poses along its best trajectory. With a cache it goes on where the answers begin to differ from
+// those of the last run.
 survey::Track Filter(const survey::Session& session, const survey::Track& local, const survey::Answers& answers,
                      const survey::TrackOptions& tracking, const survey::ParticleFilterOptions& options,
-                     const pipeline::StageRun& run) {
+                     const std::filesystem::path& cache, pipeline::StageRun& run) {
   const auto updates = static_cast<std::int64_t>(survey::ScansForUpdates(local, answers, options).size());
   pipeline::Progress progress = run.Track("updates", updates);
-  const survey::TrajectoryTree tree =
-      survey::RunParticleFilter(session, local, answers, tracking, options,
-                                [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
+  formats::FilterCheckpoint now{.key = KeyOfCheckpoint(run), .answers = formats::AnswersInFilter(answers)};
+  survey::TrajectoryTree known;
+  if (const auto before = formats::ReadCheckpoint(cache); before && before->key == now.key)
+    known = formats::UpdatesThatHold(*before, now.answers);
+  now.tree = survey::RunParticleFilter(
+      session, local, answers, tracking, options,
+      [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); }, known);
+  if (!known.empty())
+    run.Message(std::to_string(known.size()) + " of " + std::to_string(now.tree.size()) +
+                " updates as in the last run");
+  if (!cache.empty()) formats::WriteCheckpoint(cache, now);
+  const survey::TrajectoryTree& tree = now.tree;
   survey::Track track = survey::FollowBestTrajectory(session, local, tree);
-  survey::AddFilterRequests(tree, &track);
+  survey::AddFilterRequests(local, tree, options.drops_together, &track);
   return track;
 }
 
@@ -125,6 +146,10 @@ int main(int argc, char** argv) {
   stage.Inputs("answers", &answer_files, "a person's answers about the block's scans, JSON; for the particle filter",
                false, pipeline::Content::kParsed);
   stage.Output("output", &output, "track.sqlite to write");
+  std::filesystem::path cache;
+  stage.OptionalOutput("cache", &cache,
+                       "what the particle filter keeps for its next run, so that a changed answer runs it again from "
+                       "its scan on; may be deleted");
   stage.Option("engine", &engine, "scan-matching [CN], or particle-filter [AS] on top of it",
                {"scan-matching", "particle-filter"});
   stage.Option("matcher", &matcher, "surfaces, or occupancy: [CN] eq. (6)-(7) as written", {"surfaces", "occupancy"});
@@ -147,7 +172,7 @@ int main(int argc, char** argv) {
       const survey::Answers answers =
           formats::ReadAnswers(answer_files, survey::ClockStamps(survey::StampsOfScans(session)));
       if (!answers.empty()) run.AddInput({"answers", formats::Sha256(formats::CanonicalText(answers))});
-      track = Filter(session, track, answers, options, filter, run);
+      track = Filter(session, track, answers, options, filter, cache, run);
     }
     formats::WriteTrack(output, track, survey::StampsOfScans(session), run.Provenance());
     for (const survey::TrackBreak& gap : survey::BreaksOf(track))

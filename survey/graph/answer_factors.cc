@@ -2,11 +2,15 @@
 #include "survey/graph/answer_factors.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
 
 namespace survey {
 namespace {
 
-constexpr double kChiSquare3 = 14.16;  // 99.73 %, three degrees of freedom
+// 99.73 % of chi-square, by degrees of freedom.
+constexpr std::array kChiSquare = {0.0, 9.0, 11.83, 14.16};
 
 // What odometry alone gets wrong over a rejected stretch.
 constexpr double kRejectedSigma_m = 1.0;
@@ -14,12 +18,6 @@ constexpr double kRejectedSigma_rad = 0.3;
 
 const Pose2& Tracked(const Track& track, ScanId scan) {
   return track.scans[static_cast<std::size_t>(scan.value)].local_from_scan;
-}
-
-// The last node at or before a scan, or the first node.
-ScanId NodeNear(const BlockGraph& block, ScanId scan) {
-  const auto after = std::upper_bound(block.nodes.begin(), block.nodes.end(), scan);
-  return after == block.nodes.begin() ? *after : *(after - 1);
 }
 
 ScanId NodeOfPose(const BlockGraph& block, int pose) {
@@ -64,7 +62,44 @@ PoseEdge EdgeOf(const Track& track, const Answer& answer, const BlockGraph& bloc
           EdgeKind::kAnswer};
 }
 
+WallEdge WallsOf(const Track& track, const Answer& answer, const BlockGraph& block) {
+  const ScanId base = NodeNear(block, answer.reference);
+  const ScanId target = NodeNear(block, answer.scan);
+  WallPair walls = *answer.walls;
+  walls.in_base = Between(Tracked(track, base), Tracked(track, answer.reference)) * walls.in_base;
+  walls.in_target = Between(Tracked(track, target), Tracked(track, answer.scan)) * walls.in_target;
+  return {block.PoseOf(base), block.PoseOf(target), walls, answer.wall_sigma};
+}
+
 }  // namespace
+
+AnswerTest JudgeAnswer(const Answer& answer, double chi_square, int degrees_of_freedom) {
+  const double limit = kChiSquare[static_cast<std::size_t>(degrees_of_freedom)];
+  return {answer.name, answer.scan, chi_square, limit, chi_square > limit, ""};
+}
+
+std::string SentenceOn(const AnswerTest& test) {
+  char numbers[80];
+  std::snprintf(numbers, sizeof numbers, " (chi-square %.1f, limit %.1f)", test.chi_square, test.limit);
+  const std::string name = "answer " + test.name;
+  if (!test.not_used.empty()) return name + " was not used: " + test.not_used + (test.in_conflict ? numbers : "");
+  return test.in_conflict ? name + ": in conflict with the other observations" + numbers : "";
+}
+
+std::string ProblemWithWalls(const Answers& answers, const std::vector<Pose2>& poses) {
+  for (const Answer& answer : answers) {
+    if (!answer.walls) continue;
+    const Pose2& base = poses[static_cast<std::size_t>(answer.reference.value)];
+    const Pose2& target = poses[static_cast<std::size_t>(answer.scan.value)];
+    if (MayHold(*answer.walls, base, target)) continue;
+    char angle[40];
+    std::snprintf(angle, sizeof angle, "%.0f",
+                  std::abs(EvaluateWalls(*answer.walls, base, target).error.y()) * 57.2957795);
+    return "answer " + answer.name + ": relation = " + std::string(Name(answer.walls->relation)) +
+           ": the two walls are " + angle + " degrees off that in the map, more than 30: they cannot hold it";
+  }
+  return "";
+}
 
 std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* block) {
   for (const Answer& answer : answers) {
@@ -72,18 +107,26 @@ std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* b
   }
   const std::size_t first = block->graph.edges.size();
   for (const Answer& answer : answers) {
-    if (answer.HasPose()) block->graph.edges.push_back(EdgeOf(track, answer, *block));
+    if (answer.HasRelativePose()) block->graph.edges.push_back(EdgeOf(track, answer, *block));
+    if (answer.walls) block->graph.walls.push_back(WallsOf(track, answer, *block));
   }
   return first;
 }
 
 std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge) {
+  const std::vector<Pose2>& poses = block.graph.poses;
   std::vector<AnswerTest> tests;
+  auto edge = block.graph.edges.begin() + static_cast<std::ptrdiff_t>(first_edge);
+  auto walls = block.graph.walls.begin();
   for (const Answer& answer : answers) {
-    if (!answer.HasPose()) continue;
-    const double chi_square =
-        SquaredNormalisedResidual(block.graph.edges[first_edge + tests.size()], block.graph.poses);
-    tests.push_back({answer.name, answer.scan, chi_square, chi_square > kChiSquare3});
+    if (answer.HasRelativePose()) tests.push_back(JudgeAnswer(answer, SquaredNormalisedResidual(*edge++, poses), 3));
+    if (!answer.walls) continue;
+    const WallEdge& known = *walls++;
+    tests.push_back(
+        JudgeAnswer(answer,
+                    SquaredNormalisedResidual(known.walls, known.sigma, poses[static_cast<std::size_t>(known.base)],
+                                              poses[static_cast<std::size_t>(known.target)]),
+                    known.walls.Rows()));
   }
   return tests;
 }

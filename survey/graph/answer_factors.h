@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A person's answers as observations of the block adjustment: the pose of a scan relative to another one, never under a
-// robust loss. What a wrong answer bends is not hidden but told: every answer is tested against the rest.
+// A person's answers as observations of the block adjustment: the pose of a scan relative to another one or in the
+// site, the relation of two walls; never under a robust loss. What a wrong answer bends is not hidden but told: every
+// answer is tested against the rest.
 #pragma once
 
 #include <vector>
@@ -15,15 +16,26 @@ namespace survey {
 struct AnswerTest {
   std::string name;
   ScanId scan;
-  double chi_square = 0.0;  // of its residuals after the adjustment, three degrees of freedom
+  double chi_square = 0.0;  // of its residuals
+  double limit = 0.0;       // 99.73 % of its degrees of freedom
   bool in_conflict = false;
+  std::string not_used;  // why
 };
 
+AnswerTest JudgeAnswer(const Answer& answer, double chi_square, int degrees_of_freedom);
+
+// What there is to report, or nothing.
+std::string SentenceOn(const AnswerTest& test);
+
+// The first relation that two walls cannot hold, `poses` being those of all scans; empty when there is none.
+std::string ProblemWithWalls(const Answers& answers, const std::vector<Pose2>& poses);
+
 // Lets go or widens the observations that lead across rejected stretches, then adds an edge for each answer with a
-// pose. Returns the index of the first of these edges; they stand in the order of the answers.
+// relative pose and the walls of each relation. Returns the index of the first of these edges; edges and walls stand in
+// the order of the answers.
 std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* block);
 
-// After the adjustment.
+// Those of AddAnswers, after the adjustment: three degrees of freedom, or as many as a relation has.
 std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge);
 
 }  // namespace survey

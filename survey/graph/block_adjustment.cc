@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "survey/graph/block_graph.h"
 #include "survey/graph/control_tie.h"
 #include "survey/graph/graph_covariance.h"
+#include "survey/graph/site_answers.h"
 #include "survey/graph/variance_factor.h"
 
 namespace survey {
 namespace {
+
+constexpr double kOutsideMap_m = 100.0;
 
 Eigen::Vector2d MarkPosition(const PoseGraph& graph, const MarkEdge& mark) {
   return graph.poses[static_cast<std::size_t>(mark.pose)] * mark.p_in_pose;
@@ -63,20 +67,23 @@ MotionInScan MotionOfTrack(const Track& track, const std::vector<StampNs>& stamp
 
 // Rows minus unknowns.
 int DegreesOfFreedom(const PoseGraph& graph) {
-  int dof = 3 * static_cast<int>(graph.edges.size()) + 2 * static_cast<int>(graph.marks.size()) -
-            3 * static_cast<int>(graph.poses.size()) - 2 * static_cast<int>(graph.points.size()) +
-            (graph.fixed_pose ? 3 : 0);
+  int dof = std::accumulate(graph.walls.begin(), graph.walls.end(), 0,
+                            [](int sum, const WallEdge& edge) { return sum + edge.walls.Rows(); });
+  dof += 3 * static_cast<int>(graph.edges.size()) + 2 * static_cast<int>(graph.marks.size()) -
+         3 * static_cast<int>(graph.poses.size()) - 2 * static_cast<int>(graph.points.size()) +
+         (graph.fixed_pose ? 3 : 0);
   for (const GivenCoordinates& given : graph.given) dof += 2 * static_cast<int>(given.points.size());
   return dof;
 }
 
 // Pose indices of the nodes whose covariances are wanted: every marked one and one per stretch of path.
 std::vector<int> NodesForCovariance(const BlockGraph& block, double spacing_m) {
-  std::vector<bool> marked(block.graph.poses.size(), false);
+  const std::size_t end = block.num_submaps + block.nodes.size();
+  std::vector<bool> marked(end, false);
   for (const MarkEdge& mark : block.graph.marks) marked[static_cast<std::size_t>(mark.pose)] = true;
   std::vector<int> chosen;
   double way = spacing_m;
-  for (std::size_t i = block.num_submaps; i < block.graph.poses.size(); ++i) {
+  for (std::size_t i = block.num_submaps; i < end; ++i) {
     if (i > block.num_submaps)
       way += (block.graph.poses[i].Translation() - block.graph.poses[i - 1].Translation()).norm();
     if (!marked[i] && way < spacing_m) continue;
@@ -164,6 +171,29 @@ std::vector<VarianceComponent> Components(const PoseGraph& graph, const GraphCov
   return components;
 }
 
+// Answers in the site frame need a block that control holds by two points.
+void NameUnusedSiteAnswers(const Answers& answers, std::vector<AnswerTest>* tests) {
+  for (const Answer& answer : answers) {
+    if (answer.site_from_scan)
+      tests->push_back({.name = answer.name,
+                        .scan = answer.scan,
+                        .not_used = "it is in the site frame, but two control points do not tie the block"});
+  }
+}
+
+// A site answer that lies nowhere near the way of the block; empty when there is none.
+std::string AnswerOutsideMap(const Answers& answers, const std::vector<SolvedScan>& scans) {
+  for (const Answer& answer : answers) {
+    if (!answer.site_from_scan) continue;
+    const Eigen::Vector2d place = answer.site_from_scan->Translation();
+    const bool near = std::any_of(scans.begin(), scans.end(), [&](const SolvedScan& scan) {
+      return (scan.site_from_scan.Translation() - place).norm() < kOutsideMap_m;
+    });
+    if (!near) return "answer " + answer.name + ": pose: outside the map: farther than 100 m from the way of the block";
+  }
+  return "";
+}
+
 AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary& summary) {
   AdjustmentStatistics statistics;
   statistics.num_nodes = static_cast<int>(block.nodes.size());
@@ -183,65 +213,159 @@ AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary&
   return statistics;
 }
 
+// The adjustment in its order: free, with answers, with control, with answers in the site frame. Steps return false
+// with a message.
+class Adjuster {
+ public:
+  Adjuster(const Track& track, const Loops& loops, const ControlNetwork& control, const std::vector<StampNs>& stamps,
+           const BlockAdjustmentOptions& options, const Answers& answers)
+      : track_(track),
+        control_(control),
+        stamps_(stamps),
+        options_(options),
+        answers_(answers),
+        block_(MakeBlockGraph(track, loops)),
+        points_(MarkedControl(control, block_)) {}
+
+  BlockAdjustment Run() {
+    if (!Free() || !WithAnswers() || !WithControl() || !WithSiteAnswers()) return Failed(message_);
+    Write();
+    if (!message_.empty()) return Failed(message_);
+    result_.graph = MakeControlledGraph(std::move(block_), tie_.offset);
+    result_.usable = true;
+    return std::move(result_);
+  }
+
+ private:
+  bool Fail(const std::string& message) {
+    message_ = message;
+    return false;
+  }
+
+  bool Free() {
+    free_ = SolveFree(options_.tie.solver, &block_.graph);
+    summary_ = free_.summary;
+    return summary_.usable || Fail("the free adjustment did not converge: " + summary_.message);
+  }
+
+  // Answers come with their own sigmas: the variance factor is not theirs.
+  bool WithAnswers() {
+    const std::string impossible = ProblemWithWalls(answers_, PosesOfAllScans(track_, block_, stamps_));
+    if (!impossible.empty()) return Fail(impossible);
+    first_answer_ = AddAnswers(track_, answers_, &block_);
+    return answers_.empty() || SolveAgain();
+  }
+
+  bool SolveAgain() {
+    summary_ = Solve(&block_.graph, options_.tie.solver);
+    return summary_.usable || Fail("the adjustment with answers did not converge: " + summary_.message);
+  }
+
+  bool WithControl() {
+    Solution& solution = result_.solution;
+    solution.tied = !points_.empty();
+    if (!solution.tied) return true;
+    if (points_.size() == 1 && !options_.allow_single_point) {
+      return Fail("the block's marks.csv stands on one control point only, " + points_.front()->name +
+                  ": it fixes the place but not the direction; mark a second one, or set allow-single-point = true "
+                  "under [adjust] in block.toml");
+    }
+    Tie();
+    if (!tie_.usable) return Fail(tie_.message);
+    solution.frame = control_.frame;
+    solution.site_from_local = tie_.site_from_local;
+    solution.rigid_scale = 1.0 + tie_.verdict.scale_deviation;
+    solution.control = tie_.verdict;
+    solution.findings = tie_.findings;
+    return true;
+  }
+
+  void Tie() {
+    if (points_.size() == 1) {
+      tie_ = ShiftOntoPoint(*points_.front(), &block_);
+      return;
+    }
+    const double free_sigma_zero = Statistics(block_, summary_).sigma_zero;
+    FreezeRobustWeights(&block_.graph);
+    tie_ = TieToControl(control_, options_.tie, free_.factor, MotionOfTrack(track_, stamps_), &block_);
+    tie_.verdict.free_sigma_zero = free_sigma_zero;
+    summary_ = tie_.summary;
+  }
+
+  bool WithSiteAnswers() {
+    if (std::none_of(answers_.begin(), answers_.end(), [](const Answer& answer) { return answer.site_from_scan; }))
+      return true;
+    if (points_.size() < 2) {
+      NameUnusedSiteAnswers(answers_, &result_.answers);
+      return true;
+    }
+    const auto covariance = GraphCovariance::Of(block_.graph);
+    if (!covariance) return true;
+    const std::size_t first = block_.graph.edges.size();
+    const std::vector<AnswerTest> left_out =
+        AddSiteAnswers(track_, answers_, {tie_.offset, ScansOnControl()}, *covariance, &block_);
+    if (block_.graph.edges.size() > first && !SolveAgain()) return false;
+    result_.answers = TestSiteAnswers(answers_, left_out, block_, first);
+    return true;
+  }
+
+  std::vector<ScanId> ScansOnControl() const {
+    std::vector<ScanId> scans;
+    for (std::size_t i = 0; i < track_.marks.size(); ++i) {
+      if (tie_.marks[i].used) scans.push_back(track_.marks[i].scan);
+    }
+    return scans;
+  }
+
+  void Write() {
+    Solution& solution = result_.solution;
+    solution.navigation = track_.navigation;
+    solution.breaks = BreaksOf(track_);
+    Writer writer(track_, block_, tie_.offset, &solution);
+    writer.Poses(stamps_);
+    if (const auto covariance = GraphCovariance::Of(block_.graph)) {
+      writer.Covariances(*covariance, options_.covariance_spacing_m);
+      solution.components = Components(block_.graph, *covariance, tie_.of_control);
+    }
+    writer.Marks(tie_.marks);
+    solution.statistics = Statistics(block_, summary_);
+    solution.statistics.num_control_marks = static_cast<int>(
+        std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
+    ReportAnswers();
+  }
+
+  void ReportAnswers() {
+    const std::vector<AnswerTest> others = TestAnswers(answers_, block_, first_answer_);
+    result_.answers.insert(result_.answers.end(), others.begin(), others.end());
+    for (const AnswerTest& test : result_.answers) {
+      if (const std::string sentence = SentenceOn(test); !sentence.empty())
+        result_.solution.findings.push_back(sentence);
+    }
+    if (points_.size() > 1) message_ = AnswerOutsideMap(answers_, result_.solution.scans);
+  }
+
+  const Track& track_;
+  const ControlNetwork& control_;
+  const std::vector<StampNs>& stamps_;
+  const BlockAdjustmentOptions& options_;
+  const Answers& answers_;
+  BlockGraph block_;
+  std::vector<const ControlPoint*> points_;  // control that is marked in the block
+  FreeSolution free_;
+  PoseGraphSummary summary_;
+  std::size_t first_answer_ = 0;
+  ControlTie tie_;
+  std::string message_;
+  BlockAdjustment result_;
+};
+
 }  // namespace
 
 BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const ControlNetwork& control,
                             const std::vector<StampNs>& stamps, const BlockAdjustmentOptions& options,
                             const Answers& answers) {
   if (track.submaps.empty()) return Failed("the track has no submap");
-  BlockGraph block = MakeBlockGraph(track, loops);
-  const FreeSolution free = SolveFree(options.tie.solver, &block.graph);
-  PoseGraphSummary summary = free.summary;
-  if (!summary.usable) return Failed("the free adjustment did not converge: " + summary.message);
-  // Answers come with their own sigmas: the variance factor is not theirs.
-  const std::size_t first_answer = AddAnswers(track, answers, &block);
-  if (!answers.empty()) summary = Solve(&block.graph, options.tie.solver);
-  if (!summary.usable) return Failed("the adjustment with answers did not converge: " + summary.message);
-
-  const std::vector<const ControlPoint*> points = MarkedControl(control, block);
-  if (points.size() == 1 && !options.allow_single_point) {
-    return Failed("the block's marks.csv stands on one control point only, " + points.front()->name +
-                  ": it fixes the place but not the direction; mark a second one, or set allow-single-point = true "
-                  "under [adjust] in block.toml");
-  }
-  BlockAdjustment result;
-  Solution& solution = result.solution;
-  solution.tied = !points.empty();
-  solution.navigation = track.navigation;
-  solution.breaks = BreaksOf(track);
-  ControlTie tie;
-  if (solution.tied) {
-    solution.frame = control.frame;
-    if (points.size() == 1) {
-      tie = ShiftOntoPoint(*points.front(), &block);
-    } else {
-      const double free_sigma_zero = Statistics(block, summary).sigma_zero;
-      FreezeRobustWeights(&block.graph);
-      tie = TieToControl(control, options.tie, free.factor, MotionOfTrack(track, stamps), &block);
-      tie.verdict.free_sigma_zero = free_sigma_zero;
-      summary = tie.summary;
-    }
-    if (!tie.usable) return Failed(tie.message);
-    solution.site_from_local = tie.site_from_local;
-    solution.rigid_scale = 1.0 + tie.verdict.scale_deviation;
-    solution.control = tie.verdict;
-    solution.findings = tie.findings;
-  }
-
-  Writer writer(track, block, tie.offset, &solution);
-  writer.Poses(stamps);
-  if (const auto covariance = GraphCovariance::Of(block.graph)) {
-    writer.Covariances(*covariance, options.covariance_spacing_m);
-    solution.components = Components(block.graph, *covariance, tie.of_control);
-  }
-  writer.Marks(tie.marks);
-  solution.statistics = Statistics(block, summary);
-  solution.statistics.num_control_marks = static_cast<int>(
-      std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
-  result.answers = TestAnswers(answers, block, first_answer);
-  result.graph = MakeControlledGraph(std::move(block), tie.offset);
-  result.usable = true;
-  return result;
+  return Adjuster(track, loops, control, stamps, options, answers).Run();
 }
 
 }  // namespace survey

@@ -29,7 +29,7 @@ struct BlockAdjustment {
   std::string message;  // why not
   Solution solution;
   ControlledGraph graph;
-  std::vector<AnswerTest> answers;  // those with a pose
+  std::vector<AnswerTest> answers;  // those in the site frame, then the others that observe something
 };
 
 // Loops that were not accepted are left out. `control` holds the block's points of role control and tie; marks on other

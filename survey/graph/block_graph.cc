@@ -49,6 +49,11 @@ void AddMotions(const Track& track, BlockGraph* block) {
 
 }  // namespace
 
+ScanId NodeNear(const BlockGraph& block, ScanId scan) {
+  const auto after = std::upper_bound(block.nodes.begin(), block.nodes.end(), scan);
+  return after == block.nodes.begin() ? *after : *(after - 1);
+}
+
 BlockGraph MakeBlockGraph(const Track& track) {
   std::vector<ScanId> nodes;
   for (const TrackedScan& scan : track.scans) {

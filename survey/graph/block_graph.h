@@ -21,6 +21,9 @@ struct BlockGraph {
   std::size_t num_submaps = 0;
 };
 
+// The last node at or before a scan, or the first node.
+ScanId NodeNear(const BlockGraph& block, ScanId scan);
+
 // Poses start where the track has them (local frame), the first submap is held. Same-point marks tie together.
 BlockGraph MakeBlockGraph(const Track& track);
 

@@ -113,6 +113,12 @@ NormalEquations FormNormalEquations(const PoseGraph& graph) {
                        equations.column_of_point[Index(mark.point)], r.d_point,
                        Eigen::Matrix2d(mark.covariance.inverse()), r.error);
   }
+  for (const WallEdge& edge : graph.walls) {
+    const WallResidual r = EvaluateWalls(edge.walls, graph.poses[Index(edge.base)], graph.poses[Index(edge.target)]);
+    const Eigen::Matrix2d weight = edge.sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+    sum.AddObservation(equations.column_of_pose[Index(edge.base)], r.d_base,
+                       equations.column_of_pose[Index(edge.target)], r.d_target, weight, r.error);
+  }
   for (const GivenCoordinates& given : graph.given) AddGiven(graph, given, equations.column_of_point, &sum);
   sum.MoveTo(&equations);
   return equations;

@@ -54,6 +54,25 @@ class MarkCost : public ceres::SizedCostFunction<2, 3, 2> {
   Eigen::Matrix2d whitening_;
 };
 
+class WallCost : public ceres::SizedCostFunction<2, 3, 3> {
+ public:
+  explicit WallCost(const WallEdge& edge) : walls_(edge.walls), weights_(edge.sigma.cwiseInverse().asDiagonal()) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const auto pose = [](const double* p) { return Pose2{p[0], p[1], p[2]}; };
+    const WallResidual r = EvaluateWalls(walls_, pose(parameters[0]), pose(parameters[1]));
+    Eigen::Map<Eigen::Vector2d>(residuals, 2) = weights_ * r.error;
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) Eigen::Map<RowMajor<2, 3>>(jacobians[0], 2, 3) = weights_ * r.d_base;
+    if (jacobians[1] != nullptr) Eigen::Map<RowMajor<2, 3>>(jacobians[1], 2, 3) = weights_ * r.d_target;
+    return true;
+  }
+
+ private:
+  WallPair walls_;
+  Eigen::Matrix2d weights_;
+};
+
 class GivenCoordinatesCost : public ceres::CostFunction {
  public:
   explicit GivenCoordinatesCost(const GivenCoordinates& given)
@@ -110,6 +129,9 @@ void BuildProblem(const PoseGraph& graph, double robust_scale, Unknowns* unknown
   }
   for (const MarkEdge& mark : graph.marks) {
     problem->AddResidualBlock(new MarkCost(mark), nullptr, pose(mark.pose), point(mark.point));
+  }
+  for (const WallEdge& walls : graph.walls) {
+    problem->AddResidualBlock(new WallCost(walls), nullptr, pose(walls.base), pose(walls.target));
   }
   for (const GivenCoordinates& given : graph.given) {
     std::vector<double*> blocks;

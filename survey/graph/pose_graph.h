@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "survey/geometry/pose2.h"
+#include "survey/submaps/wall_relation.h"
 
 namespace survey {
 
@@ -50,6 +51,14 @@ struct MarkEdge {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  // in the frame of the pose
 };
 
+// Two walls, each seen from a pose, whose relation is known.
+struct WallEdge {
+  int base = 0;
+  int target = 0;
+  WallPair walls;
+  Eigen::Vector2d sigma = {0.05, 0.02};  // m, rad
+};
+
 // Coordinates that were given for some points: observations with their joint covariance, m2; in both, x and y of each
 // point follow one another. A point without given coordinates only ties its marks together.
 struct GivenCoordinates {
@@ -63,6 +72,7 @@ struct PoseGraph {
   std::vector<Eigen::Vector2d> points;
   std::vector<PoseEdge> edges;
   std::vector<MarkEdge> marks;
+  std::vector<WallEdge> walls;
   std::vector<GivenCoordinates> given;  // no point twice
   // The datum: without control the gauge is free in three parameters and this pose is held. With two control points or
   // more none is held.

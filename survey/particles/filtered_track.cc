@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/particles/filtered_track.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdio>
-
 #include "survey/submaps/marks.h"
 
 namespace survey {
 namespace {
-
-constexpr int kUpdatesBetweenStretches = 5;
 
 Pose2 Tracked(const Track& track, ScanId scan) {
   return track.scans[static_cast<std::size_t>(scan.value)].local_from_scan;
@@ -48,26 +42,6 @@ void MoveSubmaps(const Track& local, Track* track) {
   }
 }
 
-double SpreadOf(const FilterUpdate& update) { return std::hypot(update.spread.x, update.spread.y); }
-
-ReviewRequest RequestOf(const FilterUpdate& worst, int drops) {
-  char text[200];
-  std::snprintf(
-      text, sizeof text,
-      "effective sample size %.1f of %zu, particles spread over %.3f m, %.2f degrees (1 sigma); %d drops in a row",
-      worst.effective_size, worst.poses.size(), SpreadOf(worst), worst.spread.theta * 57.29577951308232, drops);
-  return {worst.scan, "neff", SpreadOf(worst), text};
-}
-
-// Scans without a match from update k - 1 to k, when k itself has one.
-int UnmatchedBefore(const TrajectoryTree& tree, const Track& track, std::size_t k) {
-  const auto scan = [&](std::size_t update) { return static_cast<std::size_t>(tree[update].scan.value); };
-  if (k == 0 || !track.scans[scan(k)].matched) return 0;
-  int unmatched = 0;
-  for (std::size_t i = scan(k - 1) + 1; i < scan(k); ++i) unmatched += track.scans[i].matched ? 0 : 1;
-  return unmatched;
-}
-
 }  // namespace
 
 Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree) {
@@ -81,33 +55,6 @@ Track FollowBestTrajectory(const Session& session, const Track& local, const Tra
   MoveSubmaps(local, &track);
   track.marks = TrackMarks(session, track.scans);
   return track;
-}
-
-void AddFilterRequests(const TrajectoryTree& tree, Track* track) {
-  std::size_t last = 0;
-  std::size_t worst = 0;
-  int drops = 0;
-  const auto close = [&] {
-    if (drops > 0) track->requests.push_back(RequestOf(tree[worst], drops));
-    drops = 0;
-  };
-  for (std::size_t k = 0; k < tree.size(); ++k) {
-    if (tree[k].lost)
-      track->requests.push_back(
-          {tree[k].scan, "break", 1.0, "no particle explains the scan; all go on with equal weights"});
-    if (const int unmatched = UnmatchedBefore(tree, *track, k); unmatched > 0)
-      track->requests.push_back(
-          {tree[k].scan, "odometry_only", SpreadOf(tree[k]),
-           "the first match behind a stretch without; " + std::to_string(unmatched) + " scans since the last update"});
-    if (!tree[k].resampled) continue;
-    if (drops > 0 && k - last > kUpdatesBetweenStretches) close();
-    if (drops == 0 || SpreadOf(tree[k]) > SpreadOf(tree[worst])) worst = k;
-    last = k;
-    ++drops;
-  }
-  close();
-  std::stable_sort(track->requests.begin(), track->requests.end(),
-                   [](const ReviewRequest& a, const ReviewRequest& b) { return a.scan < b.scan; });
 }
 
 }  // namespace survey

@@ -14,9 +14,4 @@ namespace survey {
 // first nodes; constraints and marks are measured anew along the trajectory.
 Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree);
 
-// Requests where the particles disagreed: one for each stretch in which the effective sample size dropped again and
-// again, at its worst place; "odometry_only" where matches begin again behind a stretch without; and "break" where no
-// particle had a weight.
-void AddFilterRequests(const TrajectoryTree& tree, Track* track);
-
 }  // namespace survey

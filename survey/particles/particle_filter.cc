@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "survey/particles/weights.h"
 #include "survey/sensors/scan_points.h"
@@ -54,6 +53,7 @@ class Filter {
       SeedAround(*answer);
     } else {
       Propagate(scan);
+      if (answer != nullptr && answer->walls) WeighWalls(*answer);
     }
     update.lost = !NormalizeLogWeights(&log_weights_);
     update.effective_size = EffectiveSampleSize(log_weights_);
@@ -138,6 +138,18 @@ class Filter {
       Move(i, answer.scan,
            ProposePose(particles_[i].map, surfaces_, start, Start::kNear, answered, covariance, options_.proposal));
     });
+  }
+
+  // What a person knows of two walls, in each particle's own map.
+  void WeighWalls(const Answer& answer) {
+    const std::size_t reference = UpdateAt(answer.reference);
+    for (std::size_t i = 0; i < particles_.size(); ++i) {
+      const double log_weight =
+          -0.5 * SquaredNormalisedResidual(*answer.walls, answer.wall_sigma, PoseOfAncestor(tree_, i, reference),
+                                           particles_[i].pose);
+      particles_[i].evidence += log_weight;
+      log_weights_[i] += log_weight;
+    }
   }
 
   std::size_t UpdateAt(ScanId scan) const {
@@ -233,7 +245,7 @@ std::vector<ScanId> ScansForUpdates(const Track& track, const Answers& answers, 
   constexpr double kSooner = 0.2;
   std::vector<bool> answered(track.scans.size(), false);
   for (const Answer& answer : answers) {
-    if (!answer.MovesParticles()) continue;
+    if (!answer.ActsInFilter()) continue;
     answered[static_cast<std::size_t>(answer.scan.value)] = true;
     answered[static_cast<std::size_t>(answer.reference.value)] = true;
   }
@@ -272,26 +284,6 @@ TrajectoryTree RunParticleFilter(const Session& session, const Track& track, con
     if (progress) progress(done);
   }
   return filter.Finish();
-}
-
-ScanId FirstScanThatDiffers(const Answers& before, const Answers& after) {
-  ScanId first{std::numeric_limits<int>::max()};
-  const auto missing_in = [&first](const Answers& answers, const Answers& others) {
-    for (const Answer& answer : answers) {
-      const bool same =
-          std::any_of(others.begin(), others.end(), [&](const Answer& other) { return SameMeaning(answer, other); });
-      if (!same) first = std::min({first, answer.scan, answer.HasPose() ? answer.reference : answer.scan});
-    }
-  };
-  missing_in(before, after);
-  missing_in(after, before);
-  return first;
-}
-
-TrajectoryTree UpdatesBefore(const TrajectoryTree& tree, ScanId scan) {
-  const auto end =
-      std::find_if(tree.begin(), tree.end(), [scan](const FilterUpdate& update) { return !(update.scan < scan); });
-  return {tree.begin(), end};
 }
 
 }  // namespace survey

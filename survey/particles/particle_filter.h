@@ -27,6 +27,7 @@ struct ParticleFilterOptions {
   double update_angle_rad = 0.25;  // ... or this turn,
   double poor_score_ratio = 0.75;  // and after a fifth of either where scans fit the map worse than this share of usual
   double resampling_share = 0.5;   // resampled when the effective sample size is below this share of the particles
+  int drops_together = 5;          // drops so few updates apart are one request; 0: each is asked, as in [AS]
   // Noise of the motion between updates: where scans were matched, and where they were not.
   double matched_sigma_m_per_rtm = 0.015;
   double matched_sigma_rad_per_rtm = 0.004;
@@ -37,12 +38,6 @@ struct ParticleFilterOptions {
 // Scans at which the filter is updated, ascending, the first scan being the first; none that the tracker could not
 // match; with those of which answers speak.
 std::vector<ScanId> ScansForUpdates(const Track& track, const Answers& answers, const ParticleFilterOptions& options);
-
-// First scan at which two sets of answers make the filter do something else.
-ScanId FirstScanThatDiffers(const Answers& before, const Answers& after);
-
-// The updates of a tree that are valid still when the filter does something else from `scan` on.
-TrajectoryTree UpdatesBefore(const TrajectoryTree& tree, ScanId scan);
 
 // `track` of the scan matcher; `tracking` are the options it was made with. `progress` is called with the number of
 // updates done. `known`: first updates of an earlier run with the same inputs and the same answers up to there; they

@@ -5,11 +5,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "survey/geometry/pose2.h"
 #include "survey/submaps/track.h"
+#include "survey/submaps/wall_relation.h"
 
 namespace survey {
 
@@ -17,6 +19,7 @@ enum class Decision {
   kConfirm,        // the estimate is right: a weak observation
   kCorrect,        // the pose is this one
   kPick,           // the same, chosen among the alternatives of the request
+  kRelate,         // how a wall of the scan lies to a wall of the reference
   kRejectStretch,  // the scan matches from this scan to `end` are wrong
   kSkip            // seen, not decided
 };
@@ -29,6 +32,8 @@ constexpr std::string_view Name(Decision decision) {
       return "correct";
     case Decision::kPick:
       return "pick";
+    case Decision::kRelate:
+      return "relate";
     case Decision::kRejectStretch:
       return "reject_stretch";
     case Decision::kSkip:
@@ -43,19 +48,19 @@ struct Answer {
   Decision decision = Decision::kSkip;
   ScanId reference;  // an earlier scan, in whose frame the pose is given: true in every particle's own map
   Pose2 reference_from_scan;
-  Eigen::Vector3d sigma = {0.1, 0.1, 0.08};  // m, m, rad, in the frame of the reference
-  ScanId end;                                // of a rejected stretch, its last scan
+  Eigen::Vector3d sigma = {0.1, 0.1, 0.08};   // m, m, rad, in the frame of the reference
+  ScanId end;                                 // of a rejected stretch, its last scan
+  std::optional<Pose2> site_from_scan;        // instead of the pose in the reference; sigma east, north, heading
+  std::optional<WallPair> walls;              // of kRelate: base is the reference, target the scan
+  Eigen::Vector2d wall_sigma = {0.05, 0.02};  // m, rad
 
   bool HasPose() const {
     return decision == Decision::kCorrect || decision == Decision::kPick || decision == Decision::kConfirm;
   }
-  bool MovesParticles() const { return decision == Decision::kCorrect || decision == Decision::kPick; }
+  bool HasRelativePose() const { return HasPose() && !site_from_scan; }
+  bool MovesParticles() const { return HasRelativePose() && decision != Decision::kConfirm; }
+  bool ActsInFilter() const { return MovesParticles() || walls; }
 };
-
-inline bool SameMeaning(const Answer& a, const Answer& b) {
-  return a.scan == b.scan && a.decision == b.decision && a.reference == b.reference && a.end == b.end &&
-         a.sigma == b.sigma && a.reference_from_scan.Vector() == b.reference_from_scan.Vector();
-}
 
 // In order of their scans, one for each at most.
 using Answers = std::vector<Answer>;

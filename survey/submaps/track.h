@@ -68,12 +68,19 @@ struct SubmapConstraint {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
 };
 
+// Another pose that a scan may have.
+struct RequestMode {
+  Pose2 local_from_scan;
+  double weight = 0.0;  // share of what speaks for it, 0..1
+};
+
 // A question for a person about one scan: where the front end doubts its pose.
 struct ReviewRequest {
   ScanId scan;
   std::string cause;    // "odometry_only", "multimodal", "break", ...
   double doubt = 0.0;   // larger is worse
   std::string message;  // for people
+  std::vector<RequestMode> modes;
 };
 
 // A place where the track may have come apart: what lies behind it may be displaced against what lies before.

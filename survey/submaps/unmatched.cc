@@ -94,9 +94,12 @@ void AddUnmatched(const Session& session, const Stretch& stretch, Track* track) 
   } else if (inertial > 0.0) {
     cause = "inertial_only";
   }
-  track->requests.push_back({track->scans[stretch.begin].scan, cause, seconds,
+  track->requests.push_back({track->scans[stretch.begin].scan,
+                             cause,
+                             seconds,
                              std::to_string(stretch.end - stretch.begin) + " scans without a match in the map" +
-                                 Sentence(", %.1f s", seconds)});
+                                 Sentence(", %.1f s", seconds),
+                             {}});
 }
 
 ScanId ScanFrom(const Session& session, StampNs stamp_ns) {
@@ -131,8 +134,11 @@ void AddRequests(const Session& session, const InertialSummary& inertial, Track*
   for (std::size_t i = 1; i < track->scans.size(); ++i) {
     const double gap = SecondsBefore(session, i);
     if (gap <= kLongestScanGap_s || track->scans[i].prediction != Prediction::kConstantVelocity) continue;
-    track->requests.push_back({track->scans[i].scan, "break", gap,
-                               Sentence("no scan for %.1f s, with neither odometry nor IMU to go by", gap)});
+    track->requests.push_back({track->scans[i].scan,
+                               "break",
+                               gap,
+                               Sentence("no scan for %.1f s, with neither odometry nor IMU to go by", gap),
+                               {}});
   }
   for (const InertialDoubt& doubt : inertial.doubts) {
     const std::string message =
@@ -141,7 +147,7 @@ void AddRequests(const Session& session, const InertialSummary& inertial, Track*
                        doubt.value * 180.0 / std::numbers::pi)
             : Sentence("the scan matches contradict the IMU for %.1f s: a false match, or the platform was lifted",
                        doubt.value);
-    track->requests.push_back({ScanFrom(session, doubt.stamp_ns), "break", doubt.value, message});
+    track->requests.push_back({ScanFrom(session, doubt.stamp_ns), "break", doubt.value, message, {}});
   }
   std::stable_sort(track->requests.begin(), track->requests.end(),
                    [](const ReviewRequest& a, const ReviewRequest& b) { return a.scan < b.scan; });

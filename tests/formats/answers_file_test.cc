@@ -58,6 +58,36 @@ TEST(ReadAnswers, OrderOfFilesAndRemarksDoNotChangeTheMeaning) {
   EXPECT_NE(one, CanonicalText(Read({skip, Correct("4000", R"(, "sigma": [0.1, 0.1, 0.07])")})));
 }
 
+TEST(ReadAnswers, StampsMayBeTexts) {
+  EXPECT_EQ(CanonicalText(Read({Correct(R"("4000")")})), CanonicalText(Read({Correct("4000")})));
+}
+
+TEST(ReadAnswers, APoseMayBeInTheSite) {
+  const survey::Answers answers = Read({R"({"schema": 1, "stamp_ns": 3000, "decision": "correct", "frame": "site",
+                                            "pose": [500100.25, 5600200.5, 7.0]})"});
+  ASSERT_TRUE(answers[0].site_from_scan);
+  EXPECT_EQ(answers[0].site_from_scan->y, 5600200.5);
+  EXPECT_NEAR(answers[0].site_from_scan->theta, 7.0 - 2.0 * 3.14159265358979, 1e-12);
+  EXPECT_FALSE(answers[0].HasRelativePose());
+  EXPECT_FALSE(answers[0].ActsInFilter());
+}
+
+std::string Relate(const std::string& relation, const std::string& more = "") {
+  return R"({"schema": 1, "stamp_ns": 3000, "decision": "relate", "relation": ")" + relation +
+         R"(", "wall": [[1, 2], [4, 2]], "ref": {"stamp_ns": 1000, "wall": [[0, -1], [0, 3]]})" + more + "}";
+}
+
+TEST(ReadAnswers, TwoWallsMayBeRelated) {
+  const survey::Answers answers = Read({Relate("perpendicular", R"(, "sigma": [0.1, 0.01])")});
+  ASSERT_TRUE(answers[0].walls);
+  EXPECT_EQ(answers[0].walls->relation, survey::WallRelation::kPerpendicular);
+  EXPECT_EQ(answers[0].walls->in_target.b.x(), 4.0);
+  EXPECT_EQ(answers[0].walls->in_base.b.y(), 3.0);
+  EXPECT_EQ(answers[0].wall_sigma.y(), 0.01);
+  EXPECT_TRUE(answers[0].ActsInFilter());
+  EXPECT_NE(CanonicalText(answers), CanonicalText(Read({Relate("parallel", R"(, "sigma": [0.1, 0.01])")})));
+}
+
 TEST(ReadAnswers, RefusesWhatCannotBe) {
   const auto has = [](const std::string& message, const std::string& part) {
     return message.find(part) != std::string::npos;
@@ -73,6 +103,15 @@ TEST(ReadAnswers, RefusesWhatCannotBe) {
   EXPECT_TRUE(has(MessageOf({R"({"schema": 1, "stamp_ns": 3000, "decision": "correct", "ref": {"stamp_ns": 1000},
                                  "pose": [500, 0, 0]})"}),
                   "outside the map"));
+  EXPECT_TRUE(
+      has(MessageOf({Correct("3000", R"(, "frame": "site")")}), "a pose in the frame \"site\" has no reference"));
+  EXPECT_TRUE(has(MessageOf({Correct("3000", R"(, "frame": "map")")}), "frame = \"map\": must be ref or site"));
+  EXPECT_TRUE(has(MessageOf({Correct(R"("3000x")")}), "expected the stamp of a scan in nanoseconds"));
+  EXPECT_TRUE(has(MessageOf({Relate("askew")}), "relation = \"askew\": must be collinear, parallel or perpendicular"));
+  EXPECT_TRUE(has(MessageOf({Relate("parallel", R"(, "sigma": [0.1, -1])")}), "sigma = [0.1,-1]: must be positive"));
+  EXPECT_TRUE(has(MessageOf({R"({"schema": 1, "stamp_ns": 3000, "decision": "relate", "relation": "parallel",
+                                 "wall": [[1, 2], [1.2, 2]], "ref": {"stamp_ns": 1000, "wall": [[0, 0], [1, 0]]}})"}),
+                  "wall = [[1,2],[1.2,2]]: is shorter than 0.5 m"));
   EXPECT_TRUE(has(MessageOf({"{"}), "is not JSON"));
 }
 

@@ -116,7 +116,7 @@ survey::Track RandomArtefacts::Track(int num_scans) {
     for (std::uint64_t n = Below(4); n > 0; --n) submap.nodes.push_back(ScanIdOf(Below(scans)));
     track.constraints.push_back(Constraint(i + 1, num_scans));
     track.marks.push_back({Text(), i, i + 1, ScanIdOf(Below(scans)), Vector2(), Covariance<2>()});
-    track.requests.push_back({ScanIdOf(Below(scans)), Text(), Real(1.0), Text()});
+    track.requests.push_back({ScanIdOf(Below(scans)), Text(), Real(1.0), Text(), {{Pose(), 0.25}, {Pose(), 0.75}}});
   }
   track.navigation = Navigation();
   return track;

@@ -60,7 +60,7 @@ void Break(FileReport& report, std::string note) {
 
 bool HasArtefactExtension(const fs::path& file) {
   const std::string extension = file.extension().string();
-  return extension == ".sqlite" || extension == ".tif" || extension == ".json";
+  return extension == ".sqlite" || extension == ".tif" || extension == ".json" || extension == ".jsonl";
 }
 
 // Fills the report; the provenance where there is one.

@@ -59,9 +59,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassResult, accuracy_class, value_m, upper_9
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CheckAnalysis, normality, num_outliers, block_effect, moran, spread, classes)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RelativeAccuracy, num_features, rms, scale)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(NavigatedTimes, inertial, odometry, constant_velocity, unmatched)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockReview, num_requests, num_answered, num_skipped, num_open, num_answers,
+                                   cells_compared, cells_contradicted)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BlockCertificate, name, tied, num_scans, path_length, num_loops, num_control_points,
                                    num_control_marks, rigid_scale, sigma_zero, degrees_of_freedom, fit_rms,
-                                   rigid_fit_rms, points, features, relative, navigated, breaks)
+                                   rigid_fit_rms, points, features, relative, navigated, breaks, review)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StitchingPair, block_a, block_b, feature, difference)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SeamSummary, block_a, block_b, overlap_area_m2, num_windows, rms, contradicted_share,
                                    sigmas, contradicts)

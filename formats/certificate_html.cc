@@ -214,11 +214,20 @@ std::string ChecksSection(const Certificate& c) {
          table.Text();
 }
 
+std::string RequestsText(const survey::BlockReview& review) {
+  const int assumed = review.num_open + review.num_skipped;
+  return std::to_string(review.num_requests) + " (" + std::to_string(assumed) + ")";
+}
+
+std::string ContradictedText(const survey::BlockReview& review) {
+  return review.cells_compared > 0 ? Fixed(100.0 * review.ContradictedShare(), 1) + " %" : std::string(kDash);
+}
+
 std::string BlocksSection(const Certificate& c) {
-  HtmlTable table(
-      {"block", "tied", "path (m)", "scans", "loops", "control (marks)", "&sigma;<sub>0</sub>", "scale &minus; 1 (ppm)",
-       "RMSE features (n)", "RMSE points (n)", "relative (n)", "navigated (s)", "breaks"},
-      2);
+  HtmlTable table({"block", "tied", "path (m)", "scans", "loops", "control (marks)", "&sigma;<sub>0</sub>",
+                   "scale &minus; 1 (ppm)", "RMSE features (n)", "RMSE points (n)", "relative (n)", "navigated (s)",
+                   "breaks", "requests (open)", "contradicted"},
+                  2);
   const auto tested = [](const AccuracyTest& test) {
     return test.statistics.num_points == 0
                ? std::string(kDash)
@@ -234,13 +243,17 @@ std::string BlocksSection(const Certificate& c) {
          b.relative ? Millimetres(b.relative->rms) + " (" + std::to_string(b.relative->num_features) + ")" : kDash,
          Fixed(b.navigated.inertial, 0) + " / " + Fixed(b.navigated.odometry, 0) + " / " +
              Fixed(b.navigated.constant_velocity, 0) + " (" + Fixed(b.navigated.unmatched, 1) + ")",
-         b.breaks.empty() ? "none" : "<b class=\"red\">" + std::to_string(b.breaks.size()) + "</b>"});
+         b.breaks.empty() ? "none" : "<b class=\"red\">" + std::to_string(b.breaks.size()) + "</b>",
+         b.review ? RequestsText(*b.review) : kDash, b.review ? ContradictedText(*b.review) : kDash});
   }
   return H2("Blocks") + table.Text() +
          P("RMSE<sub>H1</sub> in mm, absolute. Relative: common features after a rigid fit, mm. Scale: what a "
            "four-parameter fit on the control would have taken; it is never applied. Navigated: by IMU / by odometry / "
            "by "
-           "constant velocity (of these without a scan match). Breaks: places where the track may have come apart.",
+           "constant velocity (of these without a scan match). Breaks: places where the track may have come apart. "
+           "Requests: places that a person was asked about (open or skipped ones are assumed to be right). "
+           "Contradicted: "
+           "wall cells of one pass that another pass looked through.",
            "note");
 }
 

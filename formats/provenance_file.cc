@@ -30,7 +30,9 @@ std::optional<Provenance> OfGeoTiff(const std::filesystem::path& file) {
 }
 
 std::optional<Provenance> OfJson(const std::filesystem::path& file) {
-  const nlohmann::json json = nlohmann::json::parse(ReadWholeFile(file), nullptr, false);
+  std::string text = ReadWholeFile(file);
+  if (file.extension() == ".jsonl") text.resize(text.find('\n') == std::string::npos ? 0 : text.find('\n'));
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (json.is_discarded()) throw DataError(file.string() + ": not valid JSON (truncated?)");
   if (!json.contains("provenance")) return std::nullopt;
   return ProvenanceFromJson(json.at("provenance"));

@@ -32,7 +32,7 @@ plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
 export PATH := $(plumbline.bin):$(PATH)
 
 plumbline.block-stages := ingest track loops adjust grid edit features
-plumbline.site-stages := network join stitch certify report print
+plumbline.site-stages := network join requests stitch certify report print
 
 # Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
 # looks and needs no lock.
@@ -155,13 +155,23 @@ $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(bloc
   $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json out/seams.geojson,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
+# Of all blocks; the pictures go into work/requests/.
+of-each = $(foreach f,session.sqlite track.sqlite loops.sqlite solution.sqlite grid.tif,$(call of-blocks,$(blocks),$(f)))
+$(call stage,requests,,$(of-each) $(call source,$(foreach b,$(blocks),$(call answers,$(b)))),work/requests.jsonl,\
+  --session $(call named,$(blocks),session.sqlite) --track $(call named,$(blocks),track.sqlite)\
+  --loops $(call named,$(blocks),loops.sqlite) --solution $(call named,$(blocks),solution.sqlite)\
+  --grid $(call named,$(blocks),grid.tif)\
+  $(foreach b,$(blocks),$(addprefix --answers $(b)=,$(call answers,$(b)))) --output work/requests.jsonl)
+
 $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
-  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json $(joint-report)\
+  $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json work/requests.jsonl\
+  $(joint-report)\
   $(call source,$(accuracy-classes)) $(call source,$(delivered)),\
   out/certificate.json,\
   --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
   $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
-  $(addprefix --classes ,$(accuracy-classes)) --seams out/seams.json $(addprefix --joint ,$(joint-report))\
+  $(addprefix --classes ,$(accuracy-classes)) --seams out/seams.json --requests work/requests.jsonl\
+  $(addprefix --joint ,$(joint-report))\
   $(if $(delivered),--delivered-control delivered/control.csv --delivered-poses delivered/poses.csv)\
   --output out/certificate.json)
 

@@ -13,6 +13,7 @@
 #include "formats/delivery_csv.h"
 #include "formats/features_csv.h"
 #include "formats/joint_file.h"
+#include "formats/requests_file.h"
 #include "formats/seam_summary.h"
 #include "formats/site_metric.h"
 #include "pipeline/stage.h"
@@ -28,6 +29,7 @@ struct CertifyFiles {
   std::filesystem::path feature_list;
   std::filesystem::path seams;
   std::filesystem::path joint;
+  std::filesystem::path requests;
   std::filesystem::path delivered_control, delivered_poses;
   std::filesystem::path classes;
   std::filesystem::path output;
@@ -50,6 +52,14 @@ void RequireDescent(const NamedFile& features, const std::filesystem::path& solu
                            "; make it again with plumbline features");
 }
 
+void ReadReviews(const std::filesystem::path& requests, std::vector<survey::CertifiedBlock>* blocks) {
+  for (const formats::ListedBlock& listed : formats::ReadReviewedBlocks(requests)) {
+    for (survey::CertifiedBlock& block : *blocks) {
+      if (block.name == listed.name) block.review = listed.review;
+    }
+  }
+}
+
 survey::CertifyInput ReadInput(const CertifyFiles& files) {
   survey::CertifyInput input;
   if (!files.control.empty()) input.network = formats::ReadControl(files.control);
@@ -70,6 +80,7 @@ survey::CertifyInput ReadInput(const CertifyFiles& files) {
     RequireDescent(features, SolutionOf(features.name, files));
     block->features = formats::ReadFeatures(features.file);
   }
+  if (!files.requests.empty()) ReadReviews(files.requests, &input.blocks);
   if (!files.seams.empty()) input.seams = formats::ReadSeamSummaries(files.seams);
   return input;
 }
@@ -155,6 +166,7 @@ int main(int argc, char** argv) {
                       pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("seams", &files.seams, "seams.json of the stitched site");
   stage.OptionalInput("joint", &files.joint, "joint.json, when the blocks were adjusted together");
+  stage.OptionalInput("requests", &files.requests, "requests.jsonl of the site");
   stage.OptionalInput("delivered-control", &files.delivered_control, "control at the last delivery (CSV)",
                       pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("delivered-poses", &files.delivered_poses, "the platform at the last delivery (CSV)",

@@ -1,26 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-grid: the map of a block, rendered from all scans at their final poses on the site's cells.
-#include <cstdio>
-
 #include "formats/artefacts.h"
 #include "formats/raster_file.h"
 #include "pipeline/stage.h"
-#include "survey/accuracy/contradiction.h"
 #include "survey/graph/map_uncertainty.h"
 #include "survey/submaps/block_raster.h"
-
-namespace {
-
-std::string Contradicted(const survey::Contradiction& passes) {
-  if (passes.compared == 0) return "";
-  char text[120];
-  std::snprintf(text, sizeof text, "; of %d wall cells another pass contradicts %.2f %%", passes.compared,
-                100.0 * passes.Share());
-  return text;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   pipeline::Stage stage(
@@ -56,7 +41,6 @@ int main(int argc, char** argv) {
     survey::FillSigmas(solution, &raster);
     formats::WriteRaster(output, raster, {.frame = solution.frame, .tied = solution.tied}, run.Provenance());
     run.Message(std::to_string(raster.width) + " x " + std::to_string(raster.height) + " cells of " +
-                std::to_string(raster.cell_size_m) + " m" +
-                Contradicted(survey::ContradictionOfPasses(session, poses, {})));
+                std::to_string(raster.cell_size_m) + " m");
   });
 }

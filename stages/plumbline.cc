@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "formats/errors.h"
+#include "formats/requests_file.h"
 #include "pipeline/deliver_site.h"
 #include "pipeline/graph_stages.h"
 #include "pipeline/nearest.h"
@@ -118,6 +119,19 @@ int Run(const Arguments& arguments) {
   return status == 0 ? 0 : ExitStatusOfFailure(site, began, status);
 }
 
+// What waits for a person, by the last run.
+std::string OpenRequests(const fs::path& site) {
+  const fs::path list = site / "work" / "requests.jsonl";
+  std::string text;
+  if (!fs::exists(list)) return text;
+  for (const formats::ListedBlock& block : formats::ReadReviewedBlocks(list)) {
+    if (block.review.num_open == 0) continue;
+    text += block.name + ": " + std::to_string(block.review.num_open) + " of " +
+            std::to_string(block.review.num_requests) + " review requests have no answer (work/requests.jsonl)\n";
+  }
+  return text;
+}
+
 int Status(const Arguments& arguments) {
   fs::path site;
   CLI::App app("Say what is done, what is stale and why, what failed.", "plumbline status");
@@ -126,7 +140,7 @@ int Status(const Arguments& arguments) {
   if (!pipeline::ParseArguments(arguments, &app)) return 0;
   CheckIsSite(site);
   PutOwnFolderFirstOnPath();
-  std::cout << pipeline::StatusText(pipeline::SiteStatus(site, pipeline::ReadGraph(site)));
+  std::cout << OpenRequests(site) << pipeline::StatusText(pipeline::SiteStatus(site, pipeline::ReadGraph(site)));
   return 0;
 }
 

@@ -66,6 +66,20 @@ struct NavigatedTimes {
   double unmatched = 0.0;
 };
 
+// What a person was asked about a block. Requests without an answer are assumed to be right.
+struct BlockReview {
+  int num_requests = 0;
+  int num_answered = 0;
+  int num_skipped = 0;  // seen, not decided
+  int num_open = 0;
+  int num_answers = 0;         // all of the block, also those whose request has gone
+  int cells_compared = 0;      // wall cells of one pass that another pass saw or saw through
+  int cells_contradicted = 0;  // of these: seen through
+  double ContradictedShare() const {
+    return cells_compared > 0 ? static_cast<double>(cells_contradicted) / cells_compared : 0.0;
+  }
+};
+
 struct BlockCertificate {
   std::string name;
   bool tied = false;  // else: local frame, never certified
@@ -84,6 +98,7 @@ struct BlockCertificate {
   std::optional<RelativeAccuracy> relative;
   NavigatedTimes navigated;
   std::vector<std::string> breaks;  // of the track, for people: the block is not demonstrated to meet a class
+  std::optional<BlockReview> review;
 };
 
 // Differences of features that two blocks show.

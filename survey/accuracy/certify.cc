@@ -218,6 +218,7 @@ class Certifier {
     for (const TrackBreak& gap : solution.breaks) {
       summary.breaks.push_back("scan " + std::to_string(gap.scan.value) + ": " + gap.message);
     }
+    summary.review = block.review;
     return summary;
   }
 

@@ -18,7 +18,8 @@ namespace survey {
 struct CertifiedBlock {
   std::string name;
   Solution solution;
-  std::vector<MapFeature> features;  // sought in the block's map
+  std::vector<MapFeature> features;   // sought in the block's map
+  std::optional<BlockReview> review;  // what a person was asked about it
 };
 
 struct CertifyInput {

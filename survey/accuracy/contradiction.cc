@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "survey/grid/line_cells.h"
@@ -126,7 +127,8 @@ void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanPro
 }
 
 // The wall cells of `pass` against what `other` saw there.
-void Compare(const Pass& pass, const Pass& other, const ContradictionOptions& options, Contradiction* sum) {
+Contradiction Compare(const Pass& pass, const Pass& other, const ContradictionOptions& options) {
+  Contradiction sum;
   for (const auto& [column, row] : pass.walls) {
     const std::ptrdiff_t at = other.At(column, row);
     if (at < 0) continue;
@@ -134,33 +136,54 @@ void Compare(const Pass& pass, const Pass& other, const ContradictionOptions& op
     const bool wall = other.near[there] != 0;
     const bool through = other.rays[there] >= options.min_rays;
     if (!wall && !through) continue;
-    ++sum->compared;
-    if (!wall) ++sum->contradicted;
+    ++sum.compared;
+    if (!wall) ++sum.contradicted;
   }
+  return sum;
+}
+
+ScanId IdOf(std::size_t scan) { return {static_cast<int>(scan)}; }
+
+struct Comparison {
+  Contradiction sum;
+  std::optional<PassConflict> worst;
+};
+
+// A pass against all earlier ones that are far enough on the path, both ways.
+Comparison CompareWithEarlier(const std::vector<Pass>& passes, std::size_t later, const ContradictionOptions& options) {
+  Comparison comparison;
+  const Pass& pass = passes[later];
+  for (std::size_t i = 0; i < later && pass.begin_m - passes[i].end_m > options.apart_m; ++i) {
+    const Pass& other = passes[i];
+    Contradiction walls = Compare(pass, other, options);
+    walls += Compare(other, pass, options);
+    comparison.sum += walls;
+    const bool conflict = walls.contradicted >= options.conflict_cells && walls.Share() >= options.conflict_share;
+    if (!conflict || (comparison.worst && walls.contradicted <= comparison.worst->walls.contradicted)) continue;
+    comparison.worst = {IdOf(pass.scans.front()), IdOf(pass.scans.back()), IdOf(other.scans.front()),
+                        IdOf(other.scans.back()), walls};
+  }
+  return comparison;
 }
 
 }  // namespace
 
-Contradiction ContradictionOfPasses(const Session& session, const std::vector<Pose2>& poses,
-                                    const ContradictionOptions& options) {
+PassComparison ComparePasses(const Session& session, const std::vector<Pose2>& poses,
+                             const ContradictionOptions& options) {
   std::vector<Pass> passes = CutPath(poses, options);
   std::erase_if(passes, [](const Pass& pass) { return pass.scans.empty(); });
   const ScanProjector projector(session.geometries, options.max_range_m, 0.0);
   tbb::parallel_for(std::size_t{0}, passes.size(),
                     [&](std::size_t i) { Draw(session, poses, projector, options, &passes[i]); });
-  std::vector<Contradiction> sums(passes.size());
-  tbb::parallel_for(std::size_t{0}, passes.size(), [&](std::size_t i) {
-    for (const Pass& other : passes) {
-      const double apart = std::max(other.begin_m - passes[i].end_m, passes[i].begin_m - other.end_m);
-      if (apart > options.apart_m) Compare(passes[i], other, options, &sums[i]);
-    }
-  });
-  Contradiction total;
-  for (const Contradiction& sum : sums) {
-    total.compared += sum.compared;
-    total.contradicted += sum.contradicted;
+  std::vector<Comparison> comparisons(passes.size());
+  tbb::parallel_for(std::size_t{0}, passes.size(),
+                    [&](std::size_t i) { comparisons[i] = CompareWithEarlier(passes, i, options); });
+  PassComparison result;
+  for (const Comparison& comparison : comparisons) {
+    result.total += comparison.sum;
+    if (comparison.worst) result.conflicts.push_back(*comparison.worst);
   }
-  return total;
+  return result;
 }
 
 }  // namespace survey

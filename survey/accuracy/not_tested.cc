@@ -47,7 +47,17 @@ class NotTestedList {
         list_.push_back("Block " + block.name + " may be broken at " + gap +
                         ". What lies behind may be displaced against what lies before; checks elsewhere do not tell.");
       }
+      ListAssumed(block);
     }
+  }
+
+  void ListAssumed(const BlockCertificate& block) {
+    if (!block.review) return;
+    const int assumed = block.review->num_open + block.review->num_skipped;
+    if (assumed == 0) return;
+    list_.push_back("Block " + block.name + ": " + std::to_string(assumed) + " of " +
+                    std::to_string(block.review->num_requests) +
+                    " review requests have no answer; the poses there are assumed to be right.");
   }
 
   void ListMissingChecks() {

@@ -29,7 +29,7 @@ TEST_F(RerunTest, FirstRunDoesEverythingSecondIsSilent) {
   fs::remove_all(site_ / "work");
   EXPECT_EQ(site_.StagesOfRun(),
             (Stages{"A adjust", "A edit", "A grid", "A ingest", "A loops", "A track", "B adjust", "B edit", "B grid",
-                    "B ingest", "B loops", "B track", "certify", "network", "report", "stitch"}));
+                    "B ingest", "B loops", "B track", "certify", "network", "report", "requests", "stitch"}));
   const test_support::CommandResult second = site_.Run();
   EXPECT_EQ(second.status, 0);
   EXPECT_EQ(second.out, "");
@@ -42,12 +42,14 @@ TEST_F(RerunTest, ControlChanges) {
   EXPECT_EQ(site_.StagesOfRun(), Stages{"network"});
 
   ReplaceInFile(points, "1,5600201.9973,", "1,5600201.9953,");  // block B has not seen point 1
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(),
+            (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "requests", "stitch"}));
 
   // An older version is put back with its old time stamp.
   ReplaceInFile(points, "1,5600201.9953,", "1,5600201.9973,");
   fs::last_write_time(points, fs::file_time_type::clock::now() - std::chrono::hours(1000));
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(),
+            (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "requests", "stitch"}));
 
   ReplaceInFile(points, "5600208.0000,500102.0004", "5600208.0000,500102.0024");  // a check point
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report"}));
@@ -62,7 +64,8 @@ TEST_F(RerunTest, DeliveryAndControlUpdate) {
   const test_support::CommandResult early = deliver();
   EXPECT_EQ(early.status, 1);
   EXPECT_NE(early.err.find("network is not up to date"), std::string::npos) << early.err;
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(),
+            (Stages{"A adjust", "A edit", "A grid", "certify", "network", "report", "requests", "stitch"}));
   const auto changes = nlohmann::json::parse(formats::ReadWholeFile(site_ / "out/certificate.json"))["since_delivery"];
   ASSERT_EQ(changes["control"].size(), 1);
   EXPECT_EQ(changes["control"][0]["name"], "1");
@@ -81,7 +84,7 @@ TEST_F(RerunTest, OptionsOfOneStage) {
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "report", "stitch"}));
 
   AppendToFile(site_ / "blocks/A/block.toml", "[grid]\nmax-range-m = 25\n");
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "A grid", "certify", "report", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "A grid", "certify", "report", "requests", "stitch"}));
 
   AppendToFile(site_ / "site.toml", "# a remark\n");
   EXPECT_EQ(site_.StagesOfRun(), Stages{});
@@ -115,9 +118,9 @@ TEST_F(RerunTest, BlockAddedAndRemoved) {
   fs::copy(test_support::FieldDataOfTwoRooms() / "blocks/B", site_ / "blocks/C/raw");
   fs::rename(site_ / "blocks/C/raw/marks.csv", site_ / "blocks/C/marks.csv");
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"C adjust", "C edit", "C grid", "C ingest", "C loops", "C track", "certify",
-                                         "network", "report", "stitch"}));
+                                         "network", "report", "requests", "stitch"}));
   fs::remove_all(site_ / "blocks/C");
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report", "requests", "stitch"}));
 }
 
 TEST_F(RerunTest, MarkRemoved) {
@@ -126,7 +129,7 @@ TEST_F(RerunTest, MarkRemoved) {
   const std::size_t last_row = text.rfind('\n', text.size() - 2) + 1;
   formats::WriteFileAtomically(marks, text.substr(0, last_row));
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"B adjust", "B edit", "B grid", "B ingest", "B loops", "B track", "certify",
-                                         "network", "report", "stitch"}));
+                                         "network", "report", "requests", "stitch"}));
 }
 
 TEST_F(RerunTest, AnswerAddedAndRemoved) {
@@ -156,6 +159,24 @@ TEST_F(RerunTest, EditAddedAndRemoved) {
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
   fs::remove(site_ / "edits/cupboard.geojson");
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
+  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+}
+
+// An answer re-runs its block from the adjustment on and is counted; without it all is as before.
+TEST_F(RerunTest, AnswerAddedAndRemoved) {
+  const auto before = site_.Results();
+  const std::vector<survey::ScanStamp> stamps = formats::ReadScanStamps(site_ / "work/A/track.sqlite");
+  formats::WriteFileAtomically(
+      site_ / "blocks/A/answers/q1.json",
+      R"({"schema": 1, "decision": "skip", "stamp_ns": ")" + std::to_string(stamps[20].clock_ns) + R"("})");
+  const Stages expected = {"A adjust", "A edit", "A grid", "A track", "certify", "report", "requests", "stitch"};
+  EXPECT_EQ(site_.StagesOfRun(), expected);
+  const auto review =
+      nlohmann::json::parse(formats::ReadWholeFile(site_ / "out/certificate.json"))["blocks"][0]["review"];
+  EXPECT_EQ(review["num_answers"], 1);
+  EXPECT_GT(review["cells_compared"], 0);
+  fs::remove(site_ / "blocks/A/answers/q1.json");
+  EXPECT_EQ(site_.StagesOfRun(), expected);
   EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
 }
 
@@ -196,7 +217,7 @@ TEST_F(RerunTest, DeletedResultsComeBack) {
   fs::remove(site_ / "work/A/track.sqlite");
   EXPECT_EQ(site_.StagesOfRun({"work/A/track.sqlite"}), Stages{"A track"});
   fs::remove_all(site_ / "work");
-  EXPECT_EQ(site_.StagesOfRun({"-j4"}).size(), 16);
+  EXPECT_EQ(site_.StagesOfRun({"-j4"}).size(), 17);
   EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
 }
 

@@ -9,6 +9,7 @@
 #include "formats/certificate_analysis.h"
 #include "formats/certificate_changes.h"
 #include "formats/certificate_control.h"
+#include "formats/certificate_edits.h"
 #include "formats/certificate_figures.h"
 #include "formats/certificate_joint.h"
 #include "formats/certificate_style.h"
@@ -410,6 +411,7 @@ std::string CertificateHtml(const CertificatePage& page) {
   html += TestedSection(c) + NotTestedSection(c) + MapSection(page);
   html += "<h1 class=\"appendices\">Appendices</h1>\n";
   if (c.since_delivery) html += ChangesSection(*c.since_delivery);
+  if (c.edits) html += EditsSection(*c.edits);
   html += ClassesSection(c) + AnalysisSection(c) + ChecksSection(c) + FeaturePicturesSection(page) + BlocksSection(c) +
           StitchingSection(c) + (c.joint ? JointSection(*c.joint) : "") + ControlUsedSection(c) +
           ReliabilitySection(c.reliability) + ControlListSection(c) + ProvenanceSection(page.provenance);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Map edits as people draw them (review page, QGIS): GeoJSON feature collections of LineString and Polygon in site
-// coordinates with the properties state (occupied, free, unknown), width_m (lines), who, why.
+// Map edits as people draw them in a GIS or by hand: GeoJSON feature collections in site coordinates, whose properties
+// are the members of an edit (edit_json.h). They are taken over into the ledger.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@
 
 namespace formats {
 
-// In file order. DataError names file and feature (counted from 1): unknown kind or property, missing state, a number
-// that is none, too few corners, an area that crosses itself, a `crs` member other than the site's.
+// In file order. DataError names file and feature (counted from 1) and the rule of edit_json.h that it breaks, or a
+// `crs` member other than the site's.
 std::vector<survey::MapEdit> ReadEdits(const std::filesystem::path& file, const std::string& site_crs);
 
 }  // namespace formats

@@ -94,12 +94,33 @@ void WritePgm(const fs::path& file, const survey::RasterStrips& strips) {
   output.Commit();
 }
 
-std::string RosYaml(const SiteRaster& raster, const std::string& comment, double origin_x, double origin_y) {
+std::string RosYaml(const SiteRaster& raster, const std::string& image, const std::string& comment, double origin_x,
+                    double origin_y) {
   char numbers[160];
   std::snprintf(numbers, sizeof numbers, "resolution: %.10g\norigin: [%.4f, %.4f, 0.0]\n", raster.cell_size_m, origin_x,
                 origin_y);
-  return comment + "image: map.pgm\nmode: trinary\n" + numbers +
+  return comment + "image: " + image + "\nmode: trinary\n" + numbers +
          "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
+}
+
+// name.pgm, name.yaml and name_local.yaml.
+void WriteRosPicture(const fs::path& folder, const std::string& name, const std::string& remark,
+                     const survey::RasterStrips& strips, const RasterLabel& label) {
+  const SiteRaster& raster = strips.frame;
+  const std::string image = name + ".pgm";
+  WritePgm(folder / image, strips);
+  const double origin_x = static_cast<double>(raster.min_column) * raster.cell_size_m;
+  const double origin_y = static_cast<double>(raster.min_row) * raster.cell_size_m;
+  const std::string crs = "# " + CrsNameOfLabel(label) + "; x east, y north, metres\n" + remark;
+  WriteFileAtomically(folder / (name + ".yaml"),
+                      RosYaml(raster, image,
+                              crs + "# origin: lower left corner in site coordinates. Tools that keep positions as "
+                                    "32-bit floats: use " + name + "_local.yaml.\n",
+                              origin_x, origin_y));
+  char offset[128];
+  std::snprintf(offset, sizeof offset, ", lower left corner at 0 0: site = local + (%.4f, %.4f)\n", origin_x, origin_y);
+  WriteFileAtomically(folder / (name + "_local.yaml"),
+                      RosYaml(raster, image, crs + "# the picture of " + name + ".yaml" + offset, 0, 0));
 }
 
 }  // namespace
@@ -122,21 +143,14 @@ void WritePngMap(const fs::path& file, const SiteRaster& raster, const RasterLab
 }
 
 void WriteRosMap(const fs::path& folder, const survey::RasterStrips& strips, const RasterLabel& label) {
-  const SiteRaster& raster = strips.frame;
-  WritePgm(folder / "map.pgm", strips);
-  const double origin_x = static_cast<double>(raster.min_column) * raster.cell_size_m;
-  const double origin_y = static_cast<double>(raster.min_row) * raster.cell_size_m;
-  const std::string crs = "# " + CrsNameOfLabel(label) + "; x east, y north, metres\n";
-  WriteFileAtomically(folder / "map.yaml",
-                      RosYaml(raster,
-                              crs + "# origin: lower left corner in site coordinates. Tools that keep positions as "
-                                    "32-bit floats: use map_local.yaml.\n",
-                              origin_x, origin_y));
-  char offset[128];
-  std::snprintf(offset, sizeof offset,
-                "# the picture of map.yaml, lower left corner at 0 0: site = local + (%.4f, %.4f)\n", origin_x,
-                origin_y);
-  WriteFileAtomically(folder / "map_local.yaml", RosYaml(raster, crs + offset, 0, 0));
+  WriteRosPicture(folder, "map", "", strips, label);
+}
+
+void WriteKeepoutMask(const fs::path& folder, const survey::RasterStrips& strips, const RasterLabel& label) {
+  WriteRosPicture(folder, "keepout",
+                  "# mask of a Nav2 keep-out filter (CostmapFilterInfo: type 0, base 0.0, multiplier 1.0): black is "
+                  "forbidden\n",
+                  strips, label);
 }
 
 void WriteRosMap(const fs::path& folder, const SiteRaster& raster, const RasterLabel& label) {

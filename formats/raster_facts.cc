@@ -12,6 +12,7 @@
 
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
+#include "formats/raster_description.h"
 #include "formats/raster_digest.h"
 
 namespace formats {
@@ -65,7 +66,7 @@ RasterFacts ReadRasterFacts(const std::filesystem::path& file) {
   facts.content = TextOf(data->GetMetadataItem("PLUMBLINE_CONTENT"));
   facts.tied = TextOf(data->GetMetadataItem("PLUMBLINE_TIED"));
   std::array<double, 6> transform{};
-  if (facts.content.empty() || data->GetRasterCount() > 2 || data->GetGeoTransform(transform.data()) != CE_None)
+  if (facts.content.empty() || data->GetRasterCount() > 3 || data->GetGeoTransform(transform.data()) != CE_None)
     throw DataError(file.string() + ": a GeoTIFF, but not a raster of Plumbline (or damaged)");
   facts.width = data->GetRasterXSize();
   facts.height = data->GetRasterYSize();
@@ -80,12 +81,13 @@ RasterFacts ReadRasterFacts(const std::filesystem::path& file) {
   facts.num_overviews = band->GetOverviewCount();
   RasterDigest digest(data.get());
   bool whole = ReadValues(band, digest, facts);
-  if (data->GetRasterCount() == 2) {
-    band = data->GetRasterBand(2);
-    RasterFacts of_sigma{.width = facts.width, .height = facts.height};
-    whole = whole && ReadValues(band, digest, of_sigma);
+  for (int side = 2; side <= data->GetRasterCount(); ++side) {
+    band = data->GetRasterBand(side);
+    RasterFacts of_side{.width = facts.width, .height = facts.height};
+    whole = whole && ReadValues(band, digest, of_side);
+    if (TextOf(band->GetDescription()) != kSigmaName) continue;
     const double scale = band->GetScale();
-    facts.sigma_m = {scale * of_sigma.min, scale * of_sigma.mean, scale * of_sigma.max};
+    facts.sigma_m = {scale * of_side.min, scale * of_side.mean, scale * of_side.max};
   }
   if (whole) digest.Verify(data.get(), file);
   session.ThrowIfFailed(file, "cannot be read to its end");

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "formats/atomic_file.h"
@@ -27,7 +28,30 @@ using survey::SiteRaster;
 constexpr const char* kLogOdds = "occupancy log-odds";
 constexpr int kStripRows = 256;  // one row of tiles
 
-std::vector<float>* LayerOf(SiteRaster* raster, int band) { return band == 1 ? &raster->log_odds : &raster->sigma_m; }
+// What a band behind the first one holds, by its description.
+struct SideBand {
+  const char* name;
+  const char* unit;
+  std::vector<float> SiteRaster::*cells;
+};
+constexpr std::array kSideBands = {SideBand{kSigmaName, "m", &SiteRaster::sigma_m},
+                                   SideBand{kDrawnByName, "", &SiteRaster::drawn_by}};
+
+// Null for a band that is not known.
+std::vector<float>* LayerOf(SiteRaster* raster, GDALRasterBand* band) {
+  if (band->GetBand() == 1) return &raster->log_odds;
+  for (const SideBand& side : kSideBands) {
+    if (band->GetDescription() == std::string_view(side.name)) return &(raster->*side.cells);
+  }
+  return nullptr;
+}
+
+bool HasBand(GDALDataset* data, const char* name) {
+  for (int band = 2; band <= data->GetRasterCount(); ++band) {
+    if (data->GetRasterBand(band)->GetDescription() == std::string_view(name)) return true;
+  }
+  return false;
+}
 
 // Rows from the north.
 void AddRows(const std::vector<float>& cells, int width, RasterDigest* digest) {
@@ -84,7 +108,7 @@ std::vector<float> ReadBand(GDALRasterBand* band, int first, int height) {
 void ReadCells(GDALDataset* data, std::int64_t file_min_row, SiteRaster* raster) {
   const int first = static_cast<int>(raster->min_row - file_min_row);
   for (int band = 1; band <= data->GetRasterCount(); ++band)
-    *LayerOf(raster, band) = ReadBand(data->GetRasterBand(band), first, raster->height);
+    *LayerOf(raster, data->GetRasterBand(band)) = ReadBand(data->GetRasterBand(band), first, raster->height);
 }
 
 GDALDatasetUniquePtr OpenLogOdds(const fs::path& file, const GdalSession& session) {
@@ -92,7 +116,11 @@ GDALDatasetUniquePtr OpenLogOdds(const fs::path& file, const GdalSession& sessio
   GDALDatasetUniquePtr data(
       GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
   if (!data) session.Throw(file, "cannot be read as GeoTIFF");
-  if (data->GetRasterCount() > 2 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
+  SiteRaster known;
+  bool all_known = true;
+  for (int band = 1; band <= data->GetRasterCount(); ++band)
+    all_known = all_known && LayerOf(&known, data->GetRasterBand(band)) != nullptr;
+  if (!all_known || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
       MetadataOf(data.get(), kContentItem) != kLogOdds)
     throw DataError(file.string() + ": is not an occupancy raster of Plumbline (a band of log-odds, metadata item " +
                     kContentItem + ")");
@@ -129,7 +157,10 @@ void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLab
   RequireCells(file, raster);
   AtomicFile output(file);
   const GdalSession session;
-  const int bands = raster.sigma_m.empty() ? 1 : 2;
+  std::vector<SideBand> sides;
+  for (const SideBand& side : kSideBands) {
+    if (!(raster.*side.cells).empty()) sides.push_back(side);
+  }
   CPLStringList options;
   options.SetNameValue("TILED", "YES");
   options.SetNameValue("BLOCKXSIZE", "256");
@@ -139,17 +170,21 @@ void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLab
   options.SetNameValue("INTERLEAVE", "BAND");
   options.SetNameValue("BIGTIFF", "IF_SAFER");
   GDALDatasetUniquePtr data(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
-      output.temporary().c_str(), raster.width, raster.height, bands, GDT_Float32, options.List()));
+      output.temporary().c_str(), raster.width, raster.height, static_cast<int>(sides.size()) + 1, GDT_Float32,
+      options.List()));
   if (!data) session.Throw(file, "could not be written");
   Describe(data.get(), raster, label, provenance, kLogOdds);
   data->GetRasterBand(1)->SetNoDataValue(survey::kUnknownLogOdds);
   RasterDigest digest(data.get());
   AddRows(raster.log_odds, raster.width, &digest);
-  AddRows(raster.sigma_m, raster.width, &digest);
+  for (const SideBand& side : sides) AddRows(raster.*side.cells, raster.width, &digest);
   digest.Store(data.get());
-  if (bands == 2) DescribeBand(data->GetRasterBand(2), kSigmaName, "m");
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    DescribeBand(data->GetRasterBand(static_cast<int>(i) + 2), sides[i].name, sides[i].unit);
   WriteFlipped(data->GetRasterBand(1), raster.log_odds, raster.width, raster.height, GDT_Float32);
-  if (bands == 2) WriteFlipped(data->GetRasterBand(2), raster.sigma_m, raster.width, raster.height, GDT_Float32);
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    WriteFlipped(data->GetRasterBand(static_cast<int>(i) + 2), raster.*sides[i].cells, raster.width, raster.height,
+                 GDT_Float32);
   data.reset();
   session.ThrowIfFailed(file, "could not be written (disk full?)");
   output.Commit();
@@ -168,6 +203,18 @@ SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
   return raster;
 }
 
+SiteRaster ReadRasterFrame(const fs::path& file, RasterLabel* label) {
+  const GdalSession session;
+  const char* const drivers[] = {"GTiff", nullptr};
+  const GDALDatasetUniquePtr data(
+      GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
+  if (!data) session.Throw(file, "cannot be read as GeoTIFF");
+  SiteRaster frame;
+  ReadGeoreference(file, data.get(), &frame);
+  *label = LabelOf(file, data.get());
+  return frame;
+}
+
 survey::RasterStrips OpenRaster(const fs::path& file, RasterLabel* label) {
   survey::RasterStrips strips;
   {
@@ -175,7 +222,7 @@ survey::RasterStrips OpenRaster(const fs::path& file, RasterLabel* label) {
     const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
     ReadGeoreference(file, data.get(), &strips.frame);
     VerifyCells(file, data.get(), session);
-    strips.has_sigma = data->GetRasterCount() == 2;
+    strips.has_sigma = HasBand(data.get(), kSigmaName);
     *label = LabelOf(file, data.get());
   }
   // Opened anew for each strip: a site may have more blocks than a process may have open files.

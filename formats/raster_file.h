@@ -48,6 +48,14 @@ void WritePngMap(const std::filesystem::path& file, const survey::SiteRaster& ra
 void WriteRosMap(const std::filesystem::path& folder, const survey::RasterStrips& strips, const RasterLabel& label);
 void WriteRosMap(const std::filesystem::path& folder, const survey::SiteRaster& raster, const RasterLabel& label);
 
+// folder/keepout.pgm, keepout.yaml and keepout_local.yaml: the same for a mask that is "occupied" where robots must not
+// go (survey/edits/keepout.h).
+void WriteKeepoutMask(const std::filesystem::path& folder, const survey::RasterStrips& strips,
+                      const RasterLabel& label);
+
+// Cells of any GeoTIFF of Plumbline: size and place, without their values.
+survey::SiteRaster ReadRasterFrame(const std::filesystem::path& file, RasterLabel* label);
+
 // WKT2 of "EPSG:25832" and the like; empty for empty. UsageError names a CRS that is not known or not projected.
 std::string Wkt2OfCrs(const std::string& crs);
 

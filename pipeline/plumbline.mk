@@ -31,7 +31,7 @@ PLUMBLINE_THREADS ?= 0
 plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
 export PATH := $(plumbline.bin):$(PATH)
 
-plumbline.block-stages := ingest track loops adjust grid edit features
+plumbline.block-stages := masks ingest track loops adjust grid edit features
 plumbline.site-stages := network join requests stitch certify report print
 
 # Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
@@ -89,7 +89,10 @@ features := $(wildcard control/features.csv)
 # What `plumbline deliver` noted, both files or none.
 delivered := $(if $(and $(wildcard delivered/control.csv),$(wildcard delivered/poses.csv)),delivered/control.csv delivered/poses.csv)
 accuracy-classes := $(wildcard accuracy-classes.toml)
-edits := $(sort $(wildcard edits/*.geojson))
+# Of the edits only masks reach back to the field data.
+ledger := $(wildcard edits/ledger.jsonl)
+masking-ledger := $(if $(ledger),$(if $(shell grep -l '"kind":"mask_returns"' $(ledger)),$(ledger)))
+masks-of = $(if $(masking-ledger),work/$(1)/masks.json)
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
 answers = $(sort $(wildcard blocks/$(1)/answers/*.json))
@@ -109,8 +112,12 @@ named = $(foreach b,$(1),$(b)=work/$(b)/$(2))
 of-blocks = $(foreach b,$(1),work/$(b)/$(2))
 
 define block
-$(call stage,ingest,$(1),$(call source,$(call raw,$(1)) $(call marks,$(1))),work/$(1)/session.sqlite,\
-  --raw $(call raw,$(1)) $(addprefix --marks ,$(call marks,$(1))) --output work/$(1)/session.sqlite)
+$(if $(masking-ledger),$(call stage,masks,$(1),$(call source,$(ledger)),work/$(1)/masks.json,\
+  --ledger $(ledger) --block $(1) --output work/$(1)/masks.json))
+$(call stage,ingest,$(1),$(call source,$(call raw,$(1)) $(call marks,$(1))) $(call masks-of,$(1)),\
+  work/$(1)/session.sqlite,\
+  --raw $(call raw,$(1)) $(addprefix --marks ,$(call marks,$(1))) $(addprefix --masks ,$(call masks-of,$(1)))\
+  --output work/$(1)/session.sqlite)
 $(call stage,track,$(1),work/$(1)/session.sqlite $(call source,$(call answers,$(1))),work/$(1)/track.sqlite,\
   --session work/$(1)/session.sqlite $(addprefix --answers ,$(call answers,$(1))) --output work/$(1)/track.sqlite\
   --cache work/$(1)/particles.cache)
@@ -122,11 +129,12 @@ $(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call co
   $(addprefix --answers ,$(call answers,$(1))) --output $(call adjusted-of,$(1)) $(addprefix --graph ,$(call graph-of,$(1))))
 $(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$(1)/grid.tif,\
   --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --output work/$(1)/grid.tif)
-$(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(edits)),work/$(1)/map.tif,\
-  --grid work/$(1)/grid.tif --solution work/$(1)/solution.sqlite $(addprefix --edits ,$(edits))\
-  --output work/$(1)/map.tif)
-$(if $(features),$(call stage,features,$(1),work/$(1)/map.tif $(call source,$(features)),work/$(1)/features.sqlite,\
-  --map work/$(1)/map.tif --features $(features) --output work/$(1)/features.sqlite))
+$(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(ledger)),\
+  work/$(1)/map.tif work/$(1)/edits.json,\
+  --grid work/$(1)/grid.tif --solution work/$(1)/solution.sqlite $(addprefix --ledger ,$(ledger)) --block $(1)\
+  --output work/$(1)/map.tif --report work/$(1)/edits.json)
+$(if $(features),$(call stage,features,$(1),work/$(1)/grid.tif $(call source,$(features)),work/$(1)/features.sqlite,\
+  --map work/$(1)/grid.tif --features $(features) --output work/$(1)/features.sqlite))
 $(eval .PHONY: $(1))
 $(eval $(1): work/$(1)/map.tif ; @:)
 endef

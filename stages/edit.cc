@@ -1,62 +1,101 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-edit: a block's map out of its grid and the map edits that people drew.
-#include <algorithm>
-
-#include "formats/edits_file.h"
+#include "formats/artefacts.h"
+#include "formats/block_edits_file.h"
+#include "formats/digest.h"
+#include "formats/edit_ledger.h"
 #include "formats/raster_file.h"
 #include "pipeline/descent.h"
 #include "pipeline/stage.h"
-#include "survey/edits/map_edit.h"
+#include "survey/edits/apply_edits.h"
 
 namespace {
 
 namespace fs = std::filesystem;
+using survey::AppliedEdit;
 
 // An edit this far from a map was drawn in other coordinates.
 constexpr double kTooFar_m = 10000.0;
 
-void Apply(const fs::path& file, std::size_t number, const survey::MapEdit& edit, survey::SiteRaster* raster,
-           pipeline::StageRun& run) {
-  const std::string what = file.string() + ": feature " + std::to_string(number);
-  const double distance_m = survey::DistanceToRaster(edit, *raster);
-  if (distance_m > kTooFar_m)
-    throw formats::DataError(what + ": lies " + std::to_string(static_cast<std::int64_t>(distance_m / 1000)) +
-                             " km outside the map; edits must be in site coordinates (easting, northing)");
-  const std::int64_t changed = survey::ApplyEdit(edit, raster);
-  run.Message(what + " (" + std::string(Name(edit.state)) + "): " + std::to_string(changed) + " cells" +
-              (distance_m > 0 ? ", outside this block's map" : ""));
+std::string TitleOf(const survey::MapEdit& edit) { return std::string(Name(edit.kind)) + " " + edit.uid; }
+
+// Of the edits of the site those that reach the block's map.
+std::vector<AppliedEdit> ReadEdits(const fs::path& ledger, const std::string& block, const fs::path& solution_file,
+                                   const survey::SiteRaster& grid) {
+  survey::BlockPoses poses;
+  for (const survey::SolvedScan& scan : formats::ReadSolution(solution_file).scans)
+    poses.site_from_scan.push_back(scan.site_from_scan);
+  poses.stamps = survey::ClockStamps(formats::ReadScanStamps(solution_file));
+  std::vector<AppliedEdit> edits = survey::EditsOfBlock(block, formats::ReadLedger(ledger).Active(), poses);
+  for (const AppliedEdit& applied : edits) {
+    const double distance_m = survey::DistanceToRaster(applied.edit, grid);
+    if (distance_m > kTooFar_m)
+      throw formats::DataError(ledger.string() + ": " + TitleOf(applied.edit) + " lies " +
+                               std::to_string(static_cast<std::int64_t>(distance_m / 1000)) +
+                               " km outside the map; edits must be in site coordinates (easting, northing)");
+  }
+  std::erase_if(edits, [&](const AppliedEdit& applied) { return survey::DistanceToRaster(applied.edit, grid) > 0; });
+  return edits;
+}
+
+std::string DigestOf(const std::string& block, const std::vector<AppliedEdit>& edits) {
+  std::vector<survey::MapEdit> plain;
+  for (const AppliedEdit& applied : edits) plain.push_back(applied.edit);
+  return formats::Sha256(formats::CanonicalText(block, plain));
+}
+
+void Tell(const survey::BlockEdits& edits, bool allow_conflicts, const fs::path& ledger, pipeline::StageRun& run) {
+  std::string conflicts;
+  for (const survey::EditFinding& finding : edits.findings) {
+    const bool refused = finding.kind == survey::FindingKind::kConflict && !allow_conflicts;
+    if (!refused) run.Warn(std::string(Name(finding.kind)) + ": " + finding.message);
+    if (refused) conflicts += "\n  " + finding.message;
+  }
+  if (!conflicts.empty())
+    throw formats::DataError(ledger.string() +
+                             ": people contradict each other: retire one of the edits, let the later " +
+                             "one supersede the other, or set allow-conflicts:" + conflicts);
+  for (const AppliedEdit& applied : edits.edits)
+    run.Message(TitleOf(applied.edit) + ": " + std::to_string(applied.changed_cells) + " cells");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   pipeline::Stage stage("edit", "Apply people's map edits to the grid of a block.",
-                        "plumbline edit --grid work/B1/grid.tif --solution work/B1/solution.sqlite "
-                        "--edits edits/cars.geojson --output work/B1/map.tif");
-  fs::path grid_file;
-  fs::path solution_file;
-  std::vector<fs::path> edit_files;
-  fs::path output;
+                        "plumbline edit --grid work/B1/grid.tif --solution work/B1/solution.sqlite --block B1 "
+                        "--ledger edits/ledger.jsonl --output work/B1/map.tif --report work/B1/edits.json");
+  fs::path grid_file, solution_file, ledger, output, report;
+  std::string block;
+  bool allow_conflicts = false;
+  survey::RefitLimits limits;
   stage.Input("grid", &grid_file, "grid of the block");
   stage.Input("solution", &solution_file, "the solution that the grid was made from");
-  stage.Inputs("edits", &edit_files, "GeoJSON files with edits; applied in order of their names", false);
+  stage.OptionalInput("ledger", &ledger, "the site's ledger of edits", pipeline::Content::kParsed);
+  stage.Text("block", &block, "name of the block in the ledger");
   stage.Output("output", &output, "map.tif to write");
+  stage.Output("report", &report, "edits.json to write: what each edit did, and what a person should look at");
+  stage.Option("allow-conflicts", &allow_conflicts,
+               "true: where people contradict each other the later edit counts, and the certificate names both");
+  stage.Option("refit-residual-m", &limits.residual_m,
+               "an edit under which the map was bent by more is to be looked at (m)", {.min = 0.0});
+  stage.Option("refit-area-change", &limits.area_change, "... or whose area changed by more (share)", {.min = 0.0});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     formats::RasterLabel label;
     survey::SiteRaster raster = formats::ReadRaster(grid_file, &label);
     pipeline::RequireDescent(grid_file, solution_file);
-    std::sort(edit_files.begin(), edit_files.end(),
-              [](const fs::path& a, const fs::path& b) { return a.filename() < b.filename(); });
-    if (!edit_files.empty() && !label.tied)
-      run.Warn("the block is not tied to control: the edits are taken in its local frame");
-    for (const fs::path& file : edit_files) {
-      std::size_t number = 0;
-      for (const survey::MapEdit& edit : formats::ReadEdits(file, label.frame.crs)) {
-        Apply(file, ++number, edit, &raster, run);
-      }
+    std::vector<AppliedEdit> concerned;
+    if (!ledger.empty()) concerned = ReadEdits(ledger, block, solution_file, raster);
+    if (!concerned.empty()) {
+      run.AddInput({"ledger", DigestOf(block, concerned)});
+      if (!label.tied) run.Warn("the block is not tied to control: the edits are taken in its local frame");
     }
+    const survey::BlockEdits edits = survey::ApplyEdits(block, std::move(concerned), limits, &raster);
+    Tell(edits, allow_conflicts, ledger, run);
+    raster.drawn_by.clear();
     formats::WriteRaster(output, raster, label, run.Provenance());
-    if (edit_files.empty()) run.Message("no edits: the map is the grid");
+    formats::WriteBlockEdits(report, edits, run.Provenance());
+    if (edits.edits.empty()) run.Message("no edits: the map is the grid");
   });
 }

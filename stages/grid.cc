@@ -6,6 +6,7 @@
 #include "pipeline/stage.h"
 #include "survey/graph/map_uncertainty.h"
 #include "survey/submaps/block_raster.h"
+#include "survey/submaps/drawn_by.h"
 
 int main(int argc, char** argv) {
   pipeline::Stage stage(
@@ -39,6 +40,7 @@ int main(int argc, char** argv) {
       throw formats::DataError(session_file.string() + ": no scan has a range within " +
                                std::to_string(options.max_range_m) + " m: the map is empty");
     survey::FillSigmas(solution, &raster);
+    survey::FillDrawnBy(session, poses, {.max_range_m = options.max_range_m}, &raster);
     formats::WriteRaster(output, raster, {.frame = solution.frame, .tied = solution.tied}, run.Provenance());
     run.Message(std::to_string(raster.width) + " x " + std::to_string(raster.height) + " cells of " +
                 std::to_string(raster.cell_size_m) + " m");

@@ -5,9 +5,12 @@
 #include <numbers>
 
 #include "formats/artefacts.h"
+#include "formats/digest.h"
 #include "formats/field_csv.h"
 #include "formats/field_data.h"
+#include "formats/masks_file.h"
 #include "pipeline/stage.h"
+#include "survey/edits/masked_beams.h"
 #include "survey/inertial/motion_checks.h"
 
 namespace {
@@ -75,6 +78,13 @@ std::string Summary(const survey::Session& session, std::size_t num_warnings) {
   return text;
 }
 
+void DropMasked(const fs::path& masks_file, survey::Session* session, pipeline::StageRun& run) {
+  const std::vector<survey::MaskedBeams> beams = formats::ReadMasks(masks_file);
+  if (beams.empty()) return;
+  run.AddInput({"masks", formats::Sha256(formats::CanonicalText(beams))});
+  run.Message(std::to_string(survey::DropBeams(beams, session)) + " returns were masked by people");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -83,6 +93,7 @@ int main(int argc, char** argv) {
                         "work/B1/session.sqlite");
   std::vector<fs::path> raw_files;
   fs::path marks_file;
+  fs::path masks_file;
   fs::path output;
   Mounting mounting;
   survey::Session session;
@@ -90,6 +101,7 @@ int main(int argc, char** argv) {
   stage.Inputs("raw", &raw_files, "*.log, *.clf (CARMEN), *.bag (ROS 1), scans.csv, imu.csv, odometry.csv", true);
   stage.OptionalInput("marks", &marks_file, "marks.csv: when the platform stood on which point",
                       pipeline::Content::kTextWithoutComments);
+  stage.OptionalInput("masks", &masks_file, "masks.json: returns that people masked", pipeline::Content::kParsed);
   stage.Output("output", &output, "session.sqlite to write");
   DeclareOptions(&stage, &mounting, &session.setup, &options);
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
@@ -103,6 +115,7 @@ int main(int argc, char** argv) {
     std::vector<int> mark_rows;
     if (!marks_file.empty()) session.marks = formats::ReadMarksCsv(marks_file, &mark_rows);
     RequireSound(session, raw_files, marks_file, mark_rows);
+    if (!masks_file.empty()) DropMasked(masks_file, &session, run);
 
     std::vector<std::string> warnings = std::move(data.warnings);
     for (std::string& warning : survey::SessionWarnings(session)) warnings.push_back(std::move(warning));

@@ -15,6 +15,7 @@
 #include "survey/accuracy/control_reliability.h"
 #include "survey/accuracy/cross_validation.h"
 #include "survey/accuracy/delivery.h"
+#include "survey/accuracy/edit_summary.h"
 #include "survey/accuracy/error_statistics.h"
 #include "survey/control/control_point.h"
 #include "survey/graph/joint_summary.h"
@@ -157,6 +158,7 @@ struct Certificate {
   StitchingAccuracy stitching;
   std::optional<JointSummary> joint;              // empty: every block stands on its own control
   std::optional<DeliveryChanges> since_delivery;  // empty: nothing was delivered before
+  std::optional<EditSummary> edits;               // empty: nobody edited a map
   std::vector<std::string> not_tested;            // sentences
 };
 

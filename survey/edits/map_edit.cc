@@ -29,20 +29,6 @@ bool IsOnLine(const MapEdit& edit, double half_width, const Vector2d& p) {
   return false;
 }
 
-// Even-odd rule over all rings, so that holes count.
-bool IsInside(const MapEdit& edit, const Vector2d& p) {
-  bool inside = false;
-  for (const Ring& ring : edit.parts) {
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const Vector2d& a = ring[i];
-      const Vector2d& b = ring[(i + 1) % ring.size()];
-      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-      if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
-    }
-  }
-  return inside;
-}
-
 struct Bounds {
   Vector2d low;
   Vector2d high;
@@ -65,6 +51,23 @@ float LogOddsOf(CellState state) {
 }
 
 bool IsSame(float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+// The cells of a line or of rings that belong together.
+void VisitShape(const MapEdit& edit, const SiteRaster& raster, const CellVisitor& visit) {
+  const double half_width = edit.width_m.value_or(std::numbers::sqrt2 * raster.cell_size_m) / 2;
+  const Bounds bounds = BoundsOf(edit);
+  const Vector2d margin = Vector2d::Constant(IsArea(edit.kind) ? 0.0 : half_width);
+  const auto first = raster.CellOf(bounds.low - margin);
+  const auto last = raster.CellOf(bounds.high + margin);
+  const int end_column = static_cast<int>(std::min<std::int64_t>(last.x() + 1, raster.width));
+  const int end_row = static_cast<int>(std::min<std::int64_t>(last.y() + 1, raster.height));
+  for (int row = static_cast<int>(std::max<std::int64_t>(first.y(), 0)); row < end_row; ++row) {
+    for (int column = static_cast<int>(std::max<std::int64_t>(first.x(), 0)); column < end_column; ++column) {
+      const Vector2d centre = raster.CentreOf(column, row);
+      if (IsArea(edit.kind) ? IsInside(edit, centre) : IsOnLine(edit, half_width, centre)) visit(column, row);
+    }
+  }
+}
 
 struct Edge {
   Vector2d begin;
@@ -105,31 +108,49 @@ std::optional<Vector2d> CrossingOf(const Edge& a, const Edge& b, bool neighbours
 
 }  // namespace
 
-std::int64_t ApplyEdit(const MapEdit& edit, SiteRaster* raster) {
-  const double half_width = edit.width_m.value_or(std::numbers::sqrt2 * raster->cell_size_m) / 2;
-  const Bounds bounds = BoundsOf(edit);
-  const Vector2d margin = Vector2d::Constant(edit.is_area ? 0.0 : half_width);
-  const auto first = raster->CellOf(bounds.low - margin);
-  const auto last = raster->CellOf(bounds.high + margin);
-  const int end_column = static_cast<int>(std::min<std::int64_t>(last.x() + 1, raster->width));
-  const int end_row = static_cast<int>(std::min<std::int64_t>(last.y() + 1, raster->height));
-  const float value = LogOddsOf(edit.state);
-  std::int64_t changed = 0;
-  for (int row = static_cast<int>(std::max<std::int64_t>(first.y(), 0)); row < end_row; ++row) {
-    for (int column = static_cast<int>(std::max<std::int64_t>(first.x(), 0)); column < end_column; ++column) {
-      const Vector2d centre = raster->CentreOf(column, row);
-      if (!(edit.is_area ? IsInside(edit, centre) : IsOnLine(edit, half_width, centre))) continue;
-      float& cell = raster->At(column, row);
-      if (IsSame(cell, value)) continue;
-      cell = value;
-      ++changed;
+std::size_t NumVertices(const MapEdit& edit) {
+  std::size_t count = 0;
+  for (const Ring& part : edit.parts) count += part.size();
+  return count;
+}
+
+bool IsInside(const MapEdit& edit, const Vector2d& p) {
+  bool inside = false;
+  for (const Ring& ring : edit.parts) {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const Vector2d& a = ring[i];
+      const Vector2d& b = ring[(i + 1) % ring.size()];
+      if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+      if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
     }
   }
+  return inside;
+}
+
+void ForEachCell(const MapEdit& edit, const SiteRaster& raster, const CellVisitor& visit) {
+  if (edit.kind != EditKind::kCells) return VisitShape(edit, raster, visit);
+  MapEdit square = edit;
+  for (const Ring& ring : edit.parts) {
+    square.parts = {ring};
+    VisitShape(square, raster, visit);
+  }
+}
+
+std::int64_t ApplyEdit(const MapEdit& edit, SiteRaster* raster) {
+  const std::optional<CellState> state = StateOf(edit);
+  if (!state) return 0;
+  const float value = LogOddsOf(*state);
+  std::int64_t changed = 0;
+  ForEachCell(edit, *raster, [&](int column, int row) {
+    float& cell = raster->At(column, row);
+    changed += IsSame(cell, value) ? 0 : 1;
+    cell = value;
+  });
   return changed;
 }
 
 std::optional<Vector2d> FindSelfCrossing(const MapEdit& edit) {
-  if (!edit.is_area) return std::nullopt;
+  if (!IsArea(edit.kind)) return std::nullopt;
   const std::vector<Edge> edges = EdgesOf(edit);
   for (std::size_t i = 0; i < edges.size(); ++i) {
     for (std::size_t j = i + 1; j < edges.size(); ++j) {

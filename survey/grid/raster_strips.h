@@ -20,7 +20,7 @@ struct RasterStrips {
 };
 
 inline SiteRaster FrameOf(const SiteRaster& raster) {
-  return {raster.cell_size_m, raster.min_column, raster.min_row, raster.width, raster.height, {}, {}};
+  return {raster.cell_size_m, raster.min_column, raster.min_row, raster.width, raster.height, {}, {}, {}};
 }
 
 inline SiteRaster RowsOf(const SiteRaster& frame, std::int64_t min_row, int height) {

@@ -31,25 +31,32 @@ std::vector<survey::MapEdit> Read(const std::string& text) {
 
 TEST(ReadEdits, ReadsWhatQgisAndPeopleWrite) {
   const auto edits = Read(Collection(
-      Feature(R"({"state": "occupied", "width_m": 0.2, "who": "AB", "why": "glass"})", kLine) + "," +
-          Feature(R"({"state": "unknown", "width_m": null, "who": null})", kSquare),
+      Feature(R"({"kind": "line_occupied", "width_m": 0.2, "who": "AB", "why": "glass front", "class": "glass"})",
+              kLine) +
+          "," + Feature(R"({"kind": "area_unknown", "width_m": null, "who": null, "frame": "site"})", kSquare),
       R"("name": "cars", "crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::25832"}}, )"));
   ASSERT_EQ(edits.size(), 2U);
-  EXPECT_EQ(edits[0].state, survey::CellState::kOccupied);
-  EXPECT_FALSE(edits[0].is_area);
+  EXPECT_EQ(edits[0].kind, survey::EditKind::kLineOccupied);
+  EXPECT_EQ(edits[0].obstacle, survey::ObstacleClass::kGlass);
+  EXPECT_EQ(edits[0].frame, survey::EditFrame::kMap);
   EXPECT_EQ(edits[0].width_m, 0.2);
   EXPECT_EQ(edits[0].who, "AB");
-  EXPECT_EQ(edits[0].why, "glass");
+  EXPECT_EQ(edits[0].why, "glass front");
   ASSERT_EQ(edits[0].parts.front().size(), 2U);
   EXPECT_EQ(edits[0].parts.front()[1], Eigen::Vector2d(500003, 5600004));
-  EXPECT_TRUE(edits[1].is_area);
+  EXPECT_EQ(edits[1].frame, survey::EditFrame::kSite);
   EXPECT_EQ(edits[1].parts.front().size(), 4U);
   EXPECT_FALSE(edits[1].width_m);
 }
 
 TEST(ReadEdits, EveryMistakeIsNamedWithFileAndFeature) {
-  const std::string good = Feature(R"({"state": "free"})", kLine);
+  const std::string line = R"({"kind": "line_free"})";
+  const std::string area = R"({"kind": "area_free"})";
+  const std::string good = Feature(line, kLine);
   const std::string crs84 = R"("crs": {"type": "name", "properties": {"name": "urn:ogc:def:crs:OGC:1.3:CRS84"}}, )";
+  const auto ring = [](const std::string& corners) {
+    return R"({"type": "Polygon", "coordinates": [[)" + corners + "]]}";
+  };
   const struct {
     std::string text;
     std::string expected;
@@ -60,22 +67,27 @@ TEST(ReadEdits, EveryMistakeIsNamedWithFileAndFeature) {
       {Collection(good, crs84), "CRS84"},
       {Collection(good, R"("crs": 7, )"), "coordinate system"},
       {Collection(good + ",5"), "feature 2: expected a GeoJSON Feature"},
-      {Collection(good + "," + Feature("{}", kLine)), "feature 2: property state is missing"},
+      {Collection(good + "," + Feature("{}", kLine)), "feature 2: kind is missing"},
       {Collection(Feature("null", kLine)), "feature 1: properties"},
-      {Collection(Feature(R"({"state": "wall"})", kLine)), "state = \"wall\": must be occupied, free or unknown"},
-      {Collection(Feature(R"({"state": "free", "colour": 1})", kLine)), "unknown property \"colour\""},
-      {Collection(Feature(R"({"state": "free", "width_m": -1})", kLine)), "width_m = -1: must be positive"},
-      {Collection(Feature(R"({"state": "free", "width_m": "a"})", kLine)), "width_m = \"a\": must be positive"},
-      {Collection(Feature(R"({"state": "free", "width_m": 1})", kSquare)), "width_m is for lines"},
-      {Collection(Feature(R"({"state": "free"})", "null")), "must be LineString or Polygon"},
-      {Collection(Feature(R"({"state": "free"})", R"({"type": "Point", "coordinates": [1, 2]})")), "geometry Point"},
-      {Collection(Feature(R"({"state": "free"})", R"({"type": "LineString", "coordinates": [[1, 2]]})")), "two points"},
-      {Collection(Feature(R"({"state": "free"})", R"({"type": "LineString", "coordinates": [[1, "2"], [1, 3]]})")),
-       "coordinate [1,\"2\"]"},
-      {Collection(Feature(R"({"state": "free"})", R"({"type": "Polygon", "coordinates": [[[0,0],[1,0],[1,1]]]})")),
-       "end where it begins"},
+      {Collection(Feature(R"({"kind": "wall"})", kLine)), "kind = \"wall\": must be one of line_occupied, line_free"},
+      {Collection(Feature(R"({"kind": "line_free", "class": "fog"})", kLine)), "class = \"fog\": must be one of low"},
+      {Collection(Feature(R"({"kind": "line_free", "colour": 1})", kLine)), "unknown member \"colour\""},
+      {Collection(Feature(R"({"kind": "line_free", "width_m": -1})", kLine)), "width_m = -1: must be positive"},
+      {Collection(Feature(R"({"kind": "line_free", "width_m": "a"})", kLine)), "width_m = \"a\": must be positive"},
+      {Collection(Feature(R"({"kind": "area_free", "width_m": 1})", kSquare)), "width_m is for lines"},
+      {Collection(Feature(R"({"kind": "area_free", "state": "free"})", kSquare)), "state is for cells"},
+      {Collection(Feature(R"({"kind": "cells"})", kSquare)), "state is missing"},
+      {Collection(Feature(line, "null")), "line_free needs a LineString"},
+      {Collection(Feature(line, kSquare)), "geometry Polygon: line_free needs a LineString"},
+      {Collection(Feature(R"({"kind": "forbidden"})", kLine)), "geometry LineString: forbidden needs a Polygon"},
       {Collection(
-           Feature(R"({"state": "free"})", R"({"type": "Polygon", "coordinates": [[[0,0],[4,4],[4,0],[0,4],[0,0]]]})")),
+           Feature(R"({"kind": "adjust"})", R"({"type": "LineString", "coordinates": [[1, 2], [1, 3], [2, 3]]})")),
+       "an arrow of adjust has two points"},
+      {Collection(Feature(line, R"({"type": "LineString", "coordinates": [[1, 2]]})")), "two points"},
+      {Collection(Feature(line, R"({"type": "LineString", "coordinates": [[1, "2"], [1, 3]]})")),
+       "coordinate [1,\"2\"]"},
+      {Collection(Feature(area, ring("[0,0],[1,0],[1,1]"))), "end where it begins"},
+      {Collection(Feature(area, ring("[0,0],[4,4],[4,0],[0,4],[0,0]"))),
        "feature 1: the polygon crosses or touches itself at 2.000 2.000"},
   };
   for (const auto& one : cases) {

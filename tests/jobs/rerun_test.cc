@@ -149,15 +149,27 @@ TEST_F(RerunTest, AnswerAddedAndRemoved) {
   EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
 }
 
-TEST_F(RerunTest, EditAddedAndRemoved) {
+// Undone by a line that retires it: the maps are then as they were, and only what the edits reach runs.
+TEST_F(RerunTest, EditAddedAndRetired) {
   const auto before = site_.Results();
-  formats::WriteFileAtomically(site_ / "edits/cupboard.geojson",
+  formats::WriteFileAtomically(site_ / "drawn.geojson",
                                R"({"type": "FeatureCollection", "features": [{"type": "Feature",
-    "properties": {"state": "free", "who": "M. Huber", "why": "moved away"},
+    "properties": {"uid": "cupboard", "kind": "area_free", "why": "moved away"},
     "geometry": {"type": "Polygon", "coordinates": [[[500103, 5600203], [500104, 5600203], [500104, 5600204],
                                                      [500103, 5600203]]]}}]})");
+  const auto edits = [&](const Stages& more) {
+    Stages command = {"plumbline", "edits"};
+    command.insert(command.end(), more.begin(), more.end());
+    const test_support::CommandResult result = test_support::RunCommand(command);
+    EXPECT_EQ(result.status, 0) << result.err;
+    return result.out;
+  };
+  const std::string site = site_.path();
+  edits({"add", site, "--from", site + "/drawn.geojson", "--who", "M. Huber"});
+  EXPECT_NE(edits({"list", site}).find("cupboard"), std::string::npos);
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
-  fs::remove(site_ / "edits/cupboard.geojson");
+  edits({"retire", site, "--uid", "cupboard", "--who", "M. Huber", "--why", "still there"});
+  EXPECT_EQ(edits({"list", site}).find("cupboard"), std::string::npos);
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
   EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// plumbline-edit and plumbline-stitch on maps made here.
+// plumbline-stitch on maps made here.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
@@ -58,13 +58,9 @@ class StitchTest : public testing::Test {
     formats::WriteRaster(folder / "grid.tif", room, label, chain);
   }
 
-  CommandResult Edit(const std::string& name, const std::vector<std::string>& edits = {}) {
-    std::vector<std::string> command = {
-        "plumbline-edit",     "--grid", Path(name, "grid.tif"), "--solution", Path(name, "solution.sqlite"), "--output",
-        Path(name, "map.tif")};
-    if (!edits.empty()) command.push_back("--edits");
-    for (const std::string& edit : edits) command.push_back((scratch_ / edit).string());
-    return RunCommand(command);
+  CommandResult Edit(const std::string& name) {
+    return RunCommand({"plumbline-edit", "--grid", Path(name, "grid.tif"), "--solution", Path(name, "solution.sqlite"),
+                       "--output", Path(name, "map.tif"), "--report", Path(name, "edits.json")});
   }
 
   CommandResult Stitch(const std::vector<std::string>& names) {
@@ -258,37 +254,6 @@ TEST_F(StitchTest, AMapOfAnotherSolutionIsRefused) {
   const CommandResult result = Stitch({"B1", "B2"});
   EXPECT_EQ(result.status, 1);
   EXPECT_NE(result.err.find("was not made from"), std::string::npos) << result.err;
-}
-
-TEST_F(StitchTest, EditsAreAppliedInOrderOfFileAndFeatureAndCounted) {
-  MakeBlock("B1", true, 0);
-  const std::string square = R"("geometry": {"type": "Polygon", "coordinates": [[[2,2],[3,2],[3,3],[2,3],[2,2]]]}})";
-  const auto collection = [&](const std::string& state) {
-    return R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"state": ")" + state +
-           "\"}, " + square + "]}";
-  };
-  formats::WriteFileAtomically(scratch_ / "b.geojson", collection("unknown"));
-  formats::WriteFileAtomically(scratch_ / "a.geojson", collection("occupied"));
-  const CommandResult result = Edit("B1", {"b.geojson", "a.geojson"});
-  ASSERT_EQ(result.status, 0) << result.err;
-  EXPECT_NE(result.err.find("a.geojson: feature 1 (occupied): 400 cells"), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("b.geojson: feature 1 (unknown): 400 cells"), std::string::npos) << result.err;
-  const survey::SiteRaster map = formats::ReadRaster(Path("B1", "map.tif"));
-  EXPECT_TRUE(std::isnan(map.At(45, 45)));
-}
-
-TEST_F(StitchTest, AnEditInOtherCoordinatesIsRefusedAndTheOldMapStays) {
-  MakeBlock("B1", true, 0);
-  Edit("B1");
-  const std::string before = formats::ReadWholeFile(Path("B1", "map.tif"));
-  formats::WriteFileAtomically(scratch_ / "far.geojson",
-                               R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties":
-                               {"state": "free"}, "geometry": {"type": "LineString", "coordinates":
-                               [[500000, 5600000], [500001, 5600000]]}}]})");
-  const CommandResult result = Edit("B1", {"far.geojson"});
-  EXPECT_EQ(result.status, 1);
-  EXPECT_NE(result.err.find("far.geojson: feature 1"), std::string::npos) << result.err;
-  EXPECT_TRUE(formats::ReadWholeFile(Path("B1", "map.tif")) == before);
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ SiteRaster Field() {
   return raster;
 }
 
-MapEdit Area(std::vector<std::vector<Eigen::Vector2d>> rings, CellState state = CellState::kUnknown) {
-  return {.state = state, .is_area = true, .parts = std::move(rings)};
+MapEdit Area(std::vector<std::vector<Eigen::Vector2d>> rings, EditKind kind = EditKind::kAreaUnknown) {
+  return {.kind = kind, .parts = std::move(rings)};
 }
 
 TEST(ApplyEdit, AnAreaSetsTheCellsWhoseCentreItHolds) {
@@ -35,7 +35,7 @@ TEST(ApplyEdit, AThinLineHasNoGapForABeam) {
                                      Eigen::Vector2d(101.0, 202.7), Eigen::Vector2d(103.95, 200.3)}) {
     SiteRaster raster = Field();
     const Eigen::Vector2d begin(100.33, 200.28);
-    EXPECT_GT(ApplyEdit({.state = CellState::kOccupied, .parts = {{begin, end}}}, &raster), 5);
+    EXPECT_GT(ApplyEdit({.kind = EditKind::kLineOccupied, .parts = {{begin, end}}}, &raster), 5);
     // From each cell on the line to the next one there is a step over an edge: no two touch at corners alone.
     auto before = raster.CellOf(begin);
     for (int i = 0; i <= 1000; ++i) {
@@ -54,7 +54,7 @@ TEST(ApplyEdit, AThinLineHasNoGapForABeam) {
 
 TEST(ApplyEdit, AWideLineIsAsWideAsAsked) {
   SiteRaster raster = Field();
-  const MapEdit edit{.state = CellState::kFree, .parts = {{{101.0, 201.5}, {103.0, 201.5}}}, .width_m = 0.4};
+  const MapEdit edit{.kind = EditKind::kLineFree, .parts = {{{101.0, 201.5}, {103.0, 201.5}}}, .width_m = 0.4};
   ApplyEdit(edit, &raster);
   int width = 0;
   for (int row = 0; row < 30; ++row) width += raster.At(20, row) == -kEditedLogOdds ? 1 : 0;
@@ -64,7 +64,33 @@ TEST(ApplyEdit, AWideLineIsAsWideAsAsked) {
 TEST(ApplyEdit, WhatLiesOutsideIsCutOff) {
   SiteRaster raster = Field();
   EXPECT_EQ(ApplyEdit(Area({{{90, 190}, {200, 190}, {200, 300}, {90, 300}}}), &raster), 40 * 30);
-  EXPECT_EQ(ApplyEdit(Area({{{90, 190}, {95, 190}, {95, 195}}}, CellState::kFree), &raster), 0);
+  EXPECT_EQ(ApplyEdit(Area({{{90, 190}, {95, 190}, {95, 195}}}, EditKind::kAreaFree), &raster), 0);
+}
+
+TEST(ApplyEdit, WhatRobotsAvoidAndWhatTheFrontEndDropsIsNotDrawn) {
+  SiteRaster raster = Field();
+  for (const EditKind kind : {EditKind::kForbidden, EditKind::kMaskReturns})
+    EXPECT_EQ(ApplyEdit(Area({{{101, 201}, {102, 201}, {102, 202}}}, kind), &raster), 0);
+  EXPECT_EQ(raster.log_odds, Field().log_odds);
+}
+
+TEST(ApplyEdit, SquaresAreTakenOneByOne) {
+  SiteRaster raster = Field();
+  MapEdit cells = Area({{{101.0, 201.0}, {101.1, 201.0}, {101.1, 201.1}, {101.0, 201.1}},
+                        {{103.0, 202.0}, {103.3, 202.0}, {103.3, 202.1}, {103.0, 202.1}}},
+                       EditKind::kCells);
+  cells.cells_state = CellState::kOccupied;
+  EXPECT_EQ(ApplyEdit(cells, &raster), 1 + 3);
+  EXPECT_EQ(raster.At(10, 10), kEditedLogOdds);
+  EXPECT_EQ(raster.At(32, 20), kEditedLogOdds);
+}
+
+TEST(AslamType, FollowsThePaper) {
+  EXPECT_EQ(AslamType(ObstacleClass::kHigh), 1);
+  EXPECT_EQ(AslamType(ObstacleClass::kGlass), 2);
+  EXPECT_EQ(AslamType(ObstacleClass::kDownStairs), 3);
+  EXPECT_EQ(AslamType(ObstacleClass::kVirtual), 4);
+  EXPECT_EQ(AslamType(ObstacleClass::kTransient), 0);
 }
 
 TEST(FindSelfCrossing, TellsSimpleRingsFromCrossedOnes) {

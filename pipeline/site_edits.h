@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// How a person's edits come into the ledger of a site: tied to the maps on which they were drawn, then appended. All
+// tools of people (command line, review page, QGIS) go this way.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "formats/edit_ledger.h"
+#include "formats/raster_file.h"
+
+namespace pipeline {
+
+std::filesystem::path LedgerFile(const std::filesystem::path& site);
+
+// By block, the record of the solution that its map in work/ was drawn from: the basis of an edit that is drawn now.
+using Basis = std::map<std::string, std::string>;
+Basis BasisOf(const std::filesystem::path& site);
+
+// The coordinate system of the site's tied maps; empty without one.
+formats::RasterLabel LabelOfSite(const std::filesystem::path& site);
+
+// Ties additions and modifications to the current maps (anchors, beams of masks, more vertices on long lines) and
+// appends all lines; see formats::AppendToLedger for what it fills in, what it returns and what it refuses. DataError
+// also for an edit that lies off all maps, one drawn on the map before there is a map, and one whose basis is given and
+// is no longer the maps' own: it was drawn on something that has changed since.
+std::optional<std::string> RecordEdits(const std::filesystem::path& site, std::vector<formats::LedgerLine> lines,
+                                       const std::optional<std::string>& expected_head = std::nullopt);
+
+}  // namespace pipeline

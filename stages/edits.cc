@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// plumbline-edits: what people want changed in the maps of a site, into its ledger and out of it.
+#include <array>
+#include <ctime>
+#include <iostream>
+
+#include "formats/edits_file.h"
+#include "formats/text_table.h"
+#include "pipeline/site_edits.h"
+#include "pipeline/stage.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using formats::LedgerLine;
+using formats::LedgerOperation;
+using formats::UsageError;
+using survey::MapEdit;
+
+struct Request {
+  fs::path action;
+  fs::path site;
+  fs::path from;
+  std::string uid;
+  std::string who;
+  std::string why;
+};
+
+std::string Now() {
+  const std::time_t now = std::time(nullptr);
+  std::array<char, 32> text{};
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text.data();
+}
+
+// What a drawn edit does not say itself.
+void FillIn(const Request& request, MapEdit* edit) {
+  if (edit->who.empty()) edit->who = request.who;
+  if (edit->why.empty()) edit->why = request.why;
+  if (edit->when.empty()) edit->when = Now();
+  if (edit->tool.empty()) edit->tool = "plumbline edits";
+}
+
+void Record(const Request& request, std::vector<LedgerLine> lines, pipeline::StageRun& run) {
+  const std::size_t count = lines.size();
+  pipeline::RecordEdits(request.site, std::move(lines));
+  run.Message(std::to_string(count) + (count == 1 ? " line" : " lines") + " appended to " +
+              pipeline::LedgerFile(request.site).string());
+}
+
+void Add(const Request& request, pipeline::StageRun& run) {
+  if (request.from.empty()) throw UsageError("--from is required: the GeoJSON file with the drawn edits");
+  std::vector<LedgerLine> lines;
+  for (MapEdit& edit : formats::ReadEdits(request.from, pipeline::LabelOfSite(request.site).frame.crs)) {
+    FillIn(request, &edit);
+    lines.push_back({LedgerOperation::kAdd, std::move(edit)});
+  }
+  Record(request, std::move(lines), run);
+}
+
+void Retire(const Request& request, pipeline::StageRun& run) {
+  if (request.uid.empty()) throw UsageError("--uid is required: the edit to retire");
+  LedgerLine line{LedgerOperation::kRetire, {}};
+  line.edit.uid = request.uid;
+  FillIn(request, &line.edit);
+  Record(request, {line}, run);
+}
+
+void List(const Request& request) {
+  const std::vector<MapEdit> active = formats::ReadLedger(pipeline::LedgerFile(request.site)).Active();
+  const formats::TextTable table({"uid", "rev", "kind", "class", "frame", "who", "when", "why"});
+  table.Print(std::cout, [&](const auto& row) {
+    for (const MapEdit& edit : active)
+      row({edit.uid, std::to_string(edit.revision), std::string(Name(edit.kind)), std::string(Name(edit.obstacle)),
+           std::string(Name(edit.frame)), edit.who, edit.when, formats::OneLine(edit.why)});
+  });
+}
+
+void Do(const Request& request, pipeline::StageRun& run) {
+  if (!fs::exists(request.site / "site.toml"))
+    throw UsageError(request.site.string() + ": no site.toml in it, so it is not a site (plumbline new makes one)");
+  if (request.action == "add") {
+    Add(request, run);
+  } else if (request.action == "retire") {
+    Retire(request, run);
+  } else if (request.action == "list") {
+    List(request);
+  } else {
+    throw UsageError(request.action.string() + ": must be add, retire or list");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  pipeline::Stage stage(
+      "edits",
+      "Map edits of a site: add drawn ones to its ledger, retire one (that undoes it), list those that "
+      "hold. `plumbline run` applies them.",
+      "plumbline edits add office --from drawn.geojson --who \"M. Huber\"\n"
+      "  plumbline edits retire office --uid 3f1c9a6e02b7 --who \"M. Huber\" --why \"wall is gone\"\n"
+      "  plumbline edits list office");
+  Request request;
+  stage.Positional("ACTION", &request.action, "add, retire or list");
+  stage.Positional("SITE", &request.site, "the site's folder");
+  stage.OptionalInput("from", &request.from, "GeoJSON with drawn edits", pipeline::Content::kParsed);
+  stage.Text("uid", &request.uid, "the edit to retire");
+  stage.Text("who", &request.who, "who decided it, where the drawn edits do not say");
+  stage.Text("why", &request.why, "why, likewise");
+  return stage.Run(argc, argv, [&](pipeline::StageRun& run) { Do(request, run); });
+}

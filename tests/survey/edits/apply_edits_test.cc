@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "survey/edits/apply_edits.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "survey/edits/masked_beams.h"
+
+namespace survey {
+namespace {
+
+// 40 x 30 cells of 0.1 m from (0, 0), all free.
+SiteRaster Field() {
+  SiteRaster raster{.cell_size_m = 0.1, .min_column = 0, .min_row = 0, .width = 40, .height = 30};
+  raster.log_odds.assign(40 * 30, -1.0F);
+  return raster;
+}
+
+MapEdit Square(const std::string& uid, EditKind kind, const std::string& who, const std::string& when) {
+  MapEdit edit{.uid = uid, .kind = kind, .parts = {{{1, 1}, {2, 1}, {2, 2}, {1, 2}}}};
+  edit.frame = EditFrame::kSite;
+  edit.basis = {{"A", "60de"}};
+  edit.who = who;
+  edit.when = when;
+  return edit;
+}
+
+BlockEdits Apply(const std::vector<MapEdit>& edits, SiteRaster* grid, const std::string& block = "A") {
+  return ApplyEdits(block, EditsOfBlock(block, edits, {}), {}, grid);
+}
+
+constexpr const char* kEarly = "2026-11-28T10:00:00Z";
+constexpr const char* kLate = "2026-11-28T11:00:00Z";
+
+TEST(ApplyEdits, OccupiedComesAfterFreeAndUnknownAndTheLaterLast) {
+  SiteRaster grid = Field();
+  const BlockEdits result =
+      Apply({Square("wall", EditKind::kAreaOccupied, "AB", kEarly), Square("later", EditKind::kAreaFree, "AB", kLate),
+             Square("gone", EditKind::kAreaUnknown, "AB", kEarly)},
+            &grid);
+  ASSERT_EQ(result.edits.size(), 3U);
+  EXPECT_EQ(result.edits[0].edit.uid, "gone");
+  EXPECT_EQ(result.edits[1].edit.uid, "later");
+  EXPECT_EQ(result.edits[2].edit.uid, "wall");
+  EXPECT_EQ(grid.At(15, 15), kEditedLogOdds);
+  EXPECT_EQ(result.edits[2].changed_cells, 100);
+  EXPECT_EQ(result.edited_cells, 100);
+  EXPECT_TRUE(result.findings.empty()) << "one person may change his mind";
+}
+
+TEST(ApplyEdits, TwoPeopleWhoContradictAreNamedUnlessOneSupersedes) {
+  SiteRaster grid = Field();
+  MapEdit wall = Square("wall", EditKind::kAreaOccupied, "AB", kEarly);
+  const MapEdit gone = Square("gone", EditKind::kAreaFree, "CD", kLate);
+  const BlockEdits result = Apply({wall, gone}, &grid);
+  ASSERT_EQ(result.findings.size(), 1U);
+  EXPECT_EQ(result.findings[0].kind, FindingKind::kConflict);
+  EXPECT_EQ(result.findings[0].uids, (std::vector<std::string>{"gone", "wall"}));
+  EXPECT_NE(result.findings[0].message.find("in 100 cells"), std::string::npos) << result.findings[0].message;
+  wall.supersedes = {"gone"};
+  EXPECT_TRUE(Apply({wall, gone}, &grid).findings.empty());
+}
+
+TEST(ApplyEdits, NewerScansThatContradictAnEditAreNamed) {
+  const MapEdit wall = Square("wall", EditKind::kAreaOccupied, "AB", kEarly);
+  const MapEdit erased = Square("erased", EditKind::kAreaFree, "AB", kEarly);
+  SiteRaster free = Field();
+  EXPECT_TRUE(Apply({wall}, &free).findings.empty()) << "block A was there when the wall was drawn";
+  free = Field();
+  const BlockEdits stale = Apply({wall}, &free, "B");
+  ASSERT_EQ(stale.findings.size(), 1U);
+  EXPECT_EQ(stale.findings[0].kind, FindingKind::kStale);
+  EXPECT_NE(stale.findings[0].message.find("the newer scans of B contradict it in 100 of 100"), std::string::npos);
+  SiteRaster taken = Field();
+  EXPECT_TRUE(Apply({erased}, &taken, "B").findings.empty());
+  taken = Field();
+  for (int column = 12; column < 16; ++column) taken.At(column, 14) = 2.0F;
+  EXPECT_EQ(Apply({erased}, &taken, "B").findings.at(0).kind, FindingKind::kStale);
+}
+
+TEST(ApplyEdits, AnEditDrawnOnTheMapConcernsTheBlocksThatDrewIt) {
+  MapEdit edit = Square("a", EditKind::kAreaFree, "AB", kEarly);
+  edit.frame = EditFrame::kMap;
+  edit.basis = {{"A", "1"}, {"B", "2"}};
+  edit.anchors["A"] = {EditAnchor{7, {1, 1}}, EditAnchor{7, {2, 1}}, EditAnchor{7, {2, 2}}, EditAnchor{7, {1, 2}}};
+  const BlockPoses moved{.stamps = {7}, .site_from_scan = {{0.5, 0, 0}}};
+  ASSERT_EQ(EditsOfBlock("A", {edit}, moved).size(), 1U);
+  EXPECT_NEAR(EditsOfBlock("A", {edit}, moved)[0].edit.parts[0][0].x(), 1.5, 1e-12);
+  EXPECT_TRUE(EditsOfBlock("B", {edit}, moved).empty()) << "B had a map, but not there";
+  EXPECT_EQ(EditsOfBlock("C", {edit}, moved).size(), 1U) << "C came later";
+}
+
+TEST(ApplyEdits, PoorRefitsAreToBeLookedAt) {
+  MapEdit edit = Square("a", EditKind::kAreaFree, "AB", kEarly);
+  edit.frame = EditFrame::kMap;
+  edit.anchors["A"] = {EditAnchor{7, {1, 1}}, EditAnchor{8, {2, 1}}, EditAnchor{8, {2, 2}}, EditAnchor{7, {1, 2}}};
+  const auto findings = [&](const BlockPoses& poses) {
+    SiteRaster grid = Field();
+    return ApplyEdits("A", EditsOfBlock("A", {edit}, poses), {}, &grid).findings;
+  };
+  EXPECT_TRUE(findings({.stamps = {7, 8}, .site_from_scan = {{0.5, 0, 0}, {0.55, 0, 0}}}).empty());
+  const auto stretched = findings({.stamps = {7, 8}, .site_from_scan = {{0, 0, 0}, {0.12, 0, 0}}});
+  ASSERT_EQ(stretched.size(), 1U);
+  EXPECT_EQ(stretched[0].message, "area_free a (AB, 2026-11-28T10:00:00Z): its area changed by +12 %");
+  const auto torn = findings({.stamps = {7, 8}, .site_from_scan = {{0, 0, 0}, {0, 0.6, 0}}});
+  EXPECT_NE(torn.at(0).message.find("was bent by 0."), std::string::npos) << torn[0].message;
+  const auto lost = findings({.stamps = {7, 9}, .site_from_scan = {{0, 0, 0}, {0, 0, 0}}});
+  EXPECT_NE(lost.at(0).message.find("the scans under 2 of 4 vertices are gone"), std::string::npos) << lost[0].message;
+}
+
+TEST(MaskedBeams, AreThoseThatEndInTheArea) {
+  Session session;
+  session.geometries = {{.angle_min_rad = 0, .angle_increment_rad = 0.1, .range_max_m = 30, .num_beams = 5}};
+  session.scans = {{.stamp_ns = 3, .ranges_m = {2, 2, 2, kNoReturn, 2}}, {.stamp_ns = 4, .ranges_m = {9, 9, 9, 9, 9}}};
+  const MapEdit area{.kind = EditKind::kMaskReturns, .parts = {{{11, 4}, {13, 4}, {13, 5.3}, {11, 5.3}}}};
+  const auto beams = BeamsInside(area, session, {{10, 5, 0}, {10, 5, 0}});
+  EXPECT_EQ(beams, (std::vector<MaskedBeams>{{3, 0, 1}}));
+  EXPECT_EQ(DropBeams(beams, &session), 2U);
+  EXPECT_TRUE(std::isnan(session.scans[0].ranges_m[1]));
+  EXPECT_EQ(session.scans[0].ranges_m[2], 2.0F);
+  EXPECT_EQ(DropBeams(std::vector<MaskedBeams>{{5, 0, 1}, {4, 4, 99}}, &session), 1U) << "cut to what there is";
+}
+
+}  // namespace
+}  // namespace survey

@@ -4,9 +4,7 @@
 #include <cpl_string.h>
 #include <gdal_priv.h>
 
-#include <algorithm>
-#include <cmath>
-
+#include "formats/map_codes.h"
 #include "formats/raster_description.h"
 #include "formats/raster_digest.h"
 #include "formats/raster_file.h"
@@ -15,19 +13,7 @@
 namespace formats {
 namespace {
 
-constexpr std::uint8_t kUnknownPercent = 255;
 constexpr int kCogTile = 512;
-constexpr double kSigmaStep_m = 0.002;  // of the bytes of site.tif; 254: 0.508 m or more
-
-std::uint8_t PercentOf(float log_odds) {
-  if (std::isnan(log_odds)) return kUnknownPercent;
-  return static_cast<std::uint8_t>(std::lround(100.0 * survey::ProbabilityFromLogOdds(log_odds)));
-}
-
-std::uint8_t SigmaStepsOf(float sigma_m) {
-  if (std::isnan(sigma_m)) return kUnknownPercent;
-  return static_cast<std::uint8_t>(std::lround(std::min(254.0, static_cast<double>(sigma_m) / kSigmaStep_m)));
-}
 
 }  // namespace
 
@@ -39,7 +25,7 @@ void WriteCogMap(const std::filesystem::path& file, const survey::RasterStrips& 
   Describe(scratch.data(), strips.frame, label, provenance, "occupancy in percent");
   RasterDigest digest(scratch.data());
   const auto fill = [&](int band, Layer layer, CellCode code) {
-    scratch.data()->GetRasterBand(band)->SetNoDataValue(kUnknownPercent);
+    scratch.data()->GetRasterBand(band)->SetNoDataValue(kUnknownCode);
     ForEachStrip(strips, layer, code, [&](int first_row, std::span<std::uint8_t> rows) {
       scratch.Write(band, first_row, rows);
       digest.AddRow(std::as_bytes(rows));
@@ -53,7 +39,7 @@ void WriteCogMap(const std::filesystem::path& file, const survey::RasterStrips& 
     scratch.data()->GetRasterBand(2)->SetScale(kSigmaStep_m);
   }
   digest.Store(scratch.data());
-  scratch.BuildOverviews(kCogTile, kUnknownPercent);
+  scratch.BuildOverviews(kCogTile, kUnknownCode);
   CPLStringList options;
   options.SetNameValue("COMPRESS", "DEFLATE");
   options.SetNameValue("BLOCKSIZE", std::to_string(kCogTile).c_str());

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "formats/map_codes.h"
+
 namespace formats {
 namespace {
 
@@ -16,23 +18,6 @@ constexpr GIntBig kCacheBytes = 128 << 20;  // of GDAL for decoded tiles; its ow
 CPLErr Transfer(GDALRasterBand* band, GDALRWFlag direction, int first_row, int num_rows, std::uint8_t* rows) {
   return band->RasterIO(direction, 0, first_row, band->GetXSize(), num_rows, rows, band->GetXSize(), num_rows, GDT_Byte,
                         0, 0, nullptr);
-}
-
-// Rows of half the width and height: the largest value of four that is not `unknown`.
-std::vector<std::uint8_t> Halved(const std::vector<std::uint8_t>& fine, int width, std::uint8_t unknown) {
-  const int height = static_cast<int>(fine.size()) / width;
-  const int coarse_width = (width + 1) / 2;
-  std::vector<std::uint8_t> coarse(static_cast<std::size_t>(coarse_width) * static_cast<std::size_t>((height + 1) / 2),
-                                   unknown);
-  for (int row = 0; row < height; ++row) {
-    const std::uint8_t* from = fine.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
-    std::uint8_t* to = coarse.data() + static_cast<std::size_t>(row / 2) * static_cast<std::size_t>(coarse_width);
-    for (int column = 0; column < width; ++column) {
-      std::uint8_t& cell = to[column / 2];
-      if (from[column] != unknown && (cell == unknown || from[column] > cell)) cell = from[column];
-    }
-  }
-  return coarse;
 }
 
 }  // namespace

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// A list of review requests about scans of a computed site, in the form of work/requests.jsonl: what `requests` writes
+// on a site that has doubts.
+import { execFileSync } from "node:child_process";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+
+const kCorner = Array.from({ length: 40 }, (_, i) => (i < 20 ? [2, -1 + 0.1 * i] : [0.1 * (i - 20), 1]));
+
+// Poses of a block's scans in the site frame: [{ns, x, y, theta}].
+function posesOf(site, block) {
+  const text = execFileSync("plumbline-show", [join(site, "work", block, "solution.sqlite"), "--trajectory", "tum"]);
+  const rows = String(text).split("\n").filter((line) => line && !line.startsWith("#"));
+  return rows.map((line) => {
+    const [t, x, y, , , , qz, qw] = line.split(" ");
+    const [seconds, fraction = ""] = t.split(".");
+    return { ns: String(BigInt(seconds + fraction.padEnd(9, "0"))), x: +x, y: +y, theta: 2 * Math.atan2(+qz, +qw) };
+  });
+}
+
+function requestAbout(block, poses, i, rank) {
+  const { ns, x, y, theta } = poses[i];
+  const reference = poses[i - 30];
+  return {
+    id: `${block}-${ns}-contradiction`,
+    block,
+    rank,
+    stamp_ns: ns,
+    from_ns: poses[i - 2].ns,
+    until_ns: poses[i + 2].ns,
+    causes: [{ cause: "contradiction", score: 0.4, message: "another pass saw through 40 % of 120 wall cells" }],
+    score: 0.4,
+    estimate: { x, y, theta },
+    spread: null,
+    modes: [{ cause: "several_modes", x: x + 0.5, y: y - 0.25, theta: theta + 0.1, weight: 0.35 }],
+    reference: { stamp_ns: reference.ns, x: reference.x, y: reference.y, theta: reference.theta, kind: "before" },
+    points: kCorner,
+    reference_points: kCorner,
+    picture: null,
+    answer: null,
+  };
+}
+
+// Writes `count` requests, spread over blocks A and B, and returns them.
+export function writeRequests(site, count) {
+  const requests = [];
+  for (const block of ["A", "B"]) {
+    const poses = posesOf(site, block);
+    for (let k = 0; k < count / 2; ++k) requests.push(requestAbout(block, poses, 40 + 15 * k, requests.length + 1));
+  }
+  const head = { format: "plumbline-requests", format_version: 1, num_requests: count, blocks: [], provenance: [] };
+  const lines = [head, ...requests].map((line) => JSON.stringify(line) + "\n");
+  writeFileSync(join(site, "work", "requests.jsonl"), lines.join(""));
+  return requests;
+}

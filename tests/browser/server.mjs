@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The review server as a process, and a Chromium that looks at it.
+import { spawn } from "node:child_process";
+import { once } from "node:events";
+import { chromium } from "playwright-core";
+
+const kFlags = [
+  "--no-sandbox",
+  "--disable-gpu",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+
+export async function startServer(site) {
+  const server = spawn("plumbline-review", [site], { stdio: ["ignore", "pipe", "pipe"] });
+  process.on("exit", () => server.kill("SIGTERM")); // also when a test fails
+  const invitations = [];
+  server.stderr.on("data", (text) => invitations.push(...(String(text).match(/http:\S+/g) ?? [])));
+  const [first] = await once(server.stdout, "data");
+  return {
+    link: String(first).trim(),
+    nextLink: () => invitations.at(-1), // of the next person
+    stop: async () => {
+      server.kill("SIGTERM");
+      await once(server, "exit");
+    },
+  };
+}
+
+export async function startBrowser() {
+  return chromium.launch({ executablePath: "/usr/bin/chromium", args: kFlags });
+}
+
+// A page whose errors fail the test.
+export async function openPage(browser, link, viewport) {
+  const context = await browser.newContext({ viewport });
+  const page = await context.newPage();
+  page.on("pageerror", (error) => {
+    throw error;
+  });
+  page.on("console", (message) => {
+    if (message.type() === "error" && !message.text().includes("412")) throw new Error(message.text());
+  });
+  await page.goto(link);
+  return page;
+}

@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The review page: requests on the left, the map in the middle, tools, layers and edits on the right.
+import { answerTo, answerWithPose, poseOf, rejectionOf } from "shared/decisions.js";
+import { compose } from "shared/pose.js";
+import { Review } from "shared/review.js";
+import { kDocuments, sourceOfPage } from "shared/source.js";
+import { Stopwatch } from "shared/stopwatch.js";
+import { backdropOf } from "review/backdrop.js";
+import { EditList } from "review/edit_list.js";
+import { EditsOnMap, kTools, titleOf } from "review/edits_on_map.js";
+import { listenToKeys } from "review/keys.js";
+import { SiteMap } from "review/map.js";
+import { answerFor, causeText, RequestList } from "review/request_list.js";
+import { ScanOnMap } from "review/scan.js";
+
+const kRequestWidth_m = 24; // of the map that is shown with a request
+
+const element = (id) => document.getElementById(id);
+
+class Page {
+  constructor(source, documents) {
+    this.source = source;
+    this.documents = documents;
+    this.request = null;
+    this.watch = new Stopwatch();
+    this.siteMap = new SiteMap("map", source, documents);
+    this.scan = new ScanOnMap(this.siteMap, () => this.#tellPose());
+    this.editsOnMap = new EditsOnMap(this.siteMap, (tool, geometry) => this.#drawn(tool, geometry));
+    this.review = new Review(source, documents, () => this.#refresh());
+    this.requestList = new RequestList(element("requests"), element("request-summary"), (request) => this.ask(request));
+    this.editList = new EditList(element("edits"), element("edit-summary"), {
+      choose: (edit) => this.#lookAt(edit),
+      retire: (edit) => this.#attempt(() => this.review.retire(edit, this.operator), "undone"),
+    });
+    this.#wire();
+    this.requestList.show(documents.requests.requests, this.review.answers);
+    this.#refresh();
+    this.ask(this.requestList.nextOpen(null, this.review.answers));
+    this.watch.start();
+  }
+
+  get operator() {
+    return element("operator").value.trim();
+  }
+
+  // Shows a request; null: none is open.
+  ask(request) {
+    this.request = request;
+    this.useTool(null);
+    this.requestList.select(request);
+    element("question").hidden = !request;
+    this.scan.show(request);
+    this.watch.start();
+    if (!request) return this.tell(this.requestList.requests.length ? "every request has an answer" : "no requests");
+    this.siteMap.show(this.documents.requests.frames[request.block]);
+    this.siteMap.centreOn([request.estimate.x, request.estimate.y], kRequestWidth_m);
+    this.#describe(request);
+    this.#showAnswer(request, answerFor(request, this.review.answers)?.answer);
+  }
+
+  // The scan where somebody has put it already.
+  #showAnswer({ reference }, answer) {
+    const moved = ["correct", "pick"].includes(answer?.decision);
+    if (moved && answer.ref?.stamp_ns === reference?.stamp_ns) this.scan.put(compose(poseOf(reference), answer.pose));
+    else this.#tellPose();
+  }
+
+  #describe(request) {
+    element("question-title").textContent = `Request ${request.rank}, block ${request.block}: ${causeText(request)}`;
+    element("question-text").textContent = request.causes.map(({ message }) => message).join("; ");
+    for (const id of ["accept", "save-correction"]) element(id).disabled = !request.reference;
+    element("modes").replaceChildren(...request.modes.map((mode, i) => this.#modeButton(request, mode, i)));
+  }
+
+  #modeButton(request, mode, i) {
+    const button = document.createElement("button");
+    const away = Math.hypot(mode.x - request.estimate.x, mode.y - request.estimate.y);
+    button.textContent = `Place ${i + 1}: ${away.toFixed(2)} m away, ${Math.round(100 * mode.weight)} %`;
+    button.addEventListener("click", () => {
+      this.scan.put(poseOf(mode));
+      this.mode = mode;
+    });
+    return button;
+  }
+
+  #tellPose() {
+    this.mode = null;
+    if (!this.request) return;
+    const { estimate } = this.request;
+    const [x, y, theta] = this.scan.pose;
+    const centimetres = (value) => `${(100 * value).toFixed(1)} cm`;
+    const degrees = ((180 / Math.PI) * (theta - estimate.theta)).toFixed(2);
+    element("moved").textContent = this.scan.unmoved
+      ? "as estimated"
+      : `moved ${centimetres(x - estimate.x)} east, ${centimetres(y - estimate.y)} north, turned ${degrees}°`;
+    element("accept").textContent = this.scan.unmoved ? "Confirm and next" : "Save this pose and next";
+  }
+
+  // What is shown is right: the estimate, one of the places offered, or where the person has moved the scan.
+  accept() {
+    if (this.editsOnMap.tool) return this.editsOnMap.finish();
+    const decision = this.scan.unmoved ? "confirm" : this.mode ? "pick" : "correct";
+    return this.#answerWithPose(decision, true);
+  }
+
+  #answerWithPose(decision, thenNext) {
+    if (!this.request?.reference) return this.tell("this request has no earlier scan to refer to: skip or reject it");
+    const about = this.watch.about(this.operator);
+    return this.#answer(answerWithPose(this.request, decision, this.scan.pose, about), thenNext);
+  }
+
+  rejectStretch() {
+    if (this.request) this.#answer(rejectionOf(this.request, this.watch.about(this.operator)), true);
+  }
+
+  skip() {
+    if (this.request) this.#answer(answerTo(this.request, "skip", this.watch.about(this.operator)), true);
+  }
+
+  async #answer(answer, thenNext) {
+    const { request } = this;
+    const done = await this.#attempt(() => this.review.answer(request.block, answer), `${answer.decision}: saved`);
+    if (done && thenNext && this.request === request) this.next();
+  }
+
+  next() {
+    this.ask(this.requestList.nextOpen(this.request, this.review.answers));
+  }
+
+  useTool(tool) {
+    const taken = tool && tool !== this.editsOnMap.tool ? tool : null;
+    if (taken && this.siteMap.frame !== "site") this.siteMap.show("site");
+    this.editsOnMap.use(taken);
+    for (const button of element("tools").children) {
+      button.setAttribute("aria-pressed", String(button.dataset.kind === taken?.kind));
+    }
+    this.watch.start();
+  }
+
+  async #drawn(tool, geometry) {
+    const number = (id) => Number(element(id).value);
+    const measured = element("measured").checked;
+    const attributes = {
+      kind: tool.kind,
+      width_m: tool.wide ? number("width") : undefined,
+      class: element("class").value,
+      frame: measured ? "site" : undefined,
+      basis: measured ? undefined : this.documents.site.basis,
+      why: element("why").value.trim(),
+      who: this.operator,
+      tool: this.watch.tool,
+    };
+    await this.#attempt(() => this.review.add(geometry, attributes), `${tool.title}: saved`);
+    this.watch.start();
+  }
+
+  undo() {
+    return this.#attempt(async () => {
+      if (!(await this.review.undo())) throw new Error("nothing to undo");
+    }, "undone");
+  }
+
+  // Runs a step that writes; says how it ended.
+  async #attempt(step, success) {
+    if (!this.operator) {
+      element("operator").focus();
+      this.tell("enter your name first: it is kept with every decision", true);
+      return false;
+    }
+    try {
+      await step();
+      this.tell(success);
+      return true;
+    } catch (error) {
+      this.tell(error.message, true);
+      return false;
+    }
+  }
+
+  tell(text, isError = false) {
+    element("status").textContent = text;
+    element("status").classList.toggle("error", isError);
+  }
+
+  // Back from another window: somebody may have decided something, or run the site.
+  async #lookAgain() {
+    const { layers } = await this.source.load("site");
+    const versions = (all) => JSON.stringify(all.map(({ id, version }) => [id, version]));
+    if (versions(layers) !== versions(this.documents.site.layers)) location.reload();
+    else await this.review.refresh();
+  }
+
+  #lookAt(edit) {
+    this.siteMap.show("site");
+    this.editsOnMap.select(edit.uid);
+    const extent = this.editsOnMap.extentOf(edit.uid);
+    if (extent) this.siteMap.map.getView().fit(extent, { padding: [120, 120, 120, 120], maxZoom: 30, minResolution: 0.01 });
+  }
+
+  #refresh() {
+    this.requestList.refresh(this.review.answers);
+    this.editsOnMap.show(this.review.edits);
+    this.editList.show(this.review.edits, this.review.findings);
+  }
+
+  async #showBackdrop(files) {
+    if (files.length === 0) return;
+    try {
+      const { layer, extent } = await backdropOf(files, this.siteMap.projection);
+      this.siteMap.setBackdrop(layer);
+      const meets = ol.extent.intersects(extent, this.siteMap.extents[this.siteMap.frame]);
+      if (meets) this.tell(`${files[0].name}: shown`);
+      else this.tell(`${files[0].name}: lies outside the map: is it in site coordinates?`, true);
+    } catch (error) {
+      this.tell(error.message, true);
+    }
+  }
+
+  save() {
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([this.source.saved()], { type: "application/json" }));
+    link.download = `review-${this.documents.site.name}.json`;
+    link.click();
+    this.tell("saved; take it over with: plumbline review SITE --import FILE");
+  }
+
+  #wire() {
+    const click = (id, action) => element(id).addEventListener("click", action);
+    click("accept", () => this.accept());
+    click("save-correction", () => this.#answerWithPose("correct", false));
+    click("reject-stretch", () => this.rejectStretch());
+    click("skip", () => this.skip());
+    click("reset-pose", () => this.scan.reset());
+    click("undo", () => this.undo());
+    click("help-button", () => element("help").showModal());
+    click("save", () => this.save());
+    element("save").hidden = !this.source.keepsFile;
+    element("backdrop").addEventListener("change", ({ target }) => this.#showBackdrop([...target.files]));
+    element("operator").value = localStorage.getItem("plumbline-operator") ?? "";
+    element("operator").addEventListener("change", () => localStorage.setItem("plumbline-operator", this.operator));
+    element("tools").append(...kTools.map((tool) => this.#toolButton(tool)));
+    for (const box of document.querySelectorAll("#layers input")) {
+      box.addEventListener("change", () => this.siteMap.setVisible(box.value, box.checked));
+    }
+    for (const button of document.querySelectorAll("#nudge button")) {
+      const [east, north, turn] = button.dataset.step.split(" ").map(Number);
+      button.addEventListener("click", () => this.scan.move(east, north, (turn * Math.PI) / 180));
+    }
+    document.addEventListener("visibilitychange", () => document.hidden || this.#lookAgain());
+    listenToKeys(this.scan, {
+      accept: () => this.accept(),
+      saveCorrection: () => this.#answerWithPose("correct", false),
+      rejectStretch: () => this.rejectStretch(),
+      skip: () => this.skip(),
+      next: () => this.next(),
+      resetPose: () => this.scan.reset(),
+      undo: () => this.undo(),
+      putToolDown: () => this.useTool(null),
+      undoPoint: () => this.editsOnMap.undoPoint(),
+      useTool: (tool) => this.useTool(tool),
+      help: () => element("help").showModal(),
+    });
+  }
+
+  #toolButton(tool) {
+    const button = document.createElement("button");
+    button.dataset.kind = tool.kind;
+    button.textContent = titleOf(tool.kind);
+    button.title = `key ${tool.key}`;
+    button.setAttribute("aria-pressed", "false");
+    button.addEventListener("click", () => this.useTool(tool));
+    return button;
+  }
+}
+
+async function start() {
+  const source = sourceOfPage();
+  const loaded = await Promise.all(kDocuments.map((name) => source.load(name)));
+  const documents = Object.fromEntries(kDocuments.map((name, i) => [name, loaded[i]]));
+  document.title = `${documents.site.name}: review`;
+  element("site-name").textContent = documents.site.name;
+  if (documents.site.layers.length === 0) throw new Error("no map yet: plumbline run first");
+  const page = new Page(source, documents);
+  page.siteMap.map.once("rendercomplete", () => {
+    document.documentElement.dataset.firstPicture = Math.round(performance.now()); // ms after the page was asked for
+  });
+}
+
+start().catch((error) => {
+  element("status").textContent = error.message;
+  element("status").classList.add("error");
+});

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Answers and edits as they go to disk; formats/README.md has their members. Coordinates to 0.1 mm.
+import { between } from "shared/pose.js";
+
+const round = (value, digits) => Number(value.toFixed(digits));
+
+export function roundedPose(pose) {
+  return [round(pose[0], 4), round(pose[1], 4), round(pose[2], 6)];
+}
+
+export function utc(date) {
+  return date.toISOString().replace(/\.\d+Z$/, "Z");
+}
+
+export function poseOf({ x, y, theta }) {
+  return [x, y, theta];
+}
+
+// A scan's pose is given in the frame of the request's reference: true wherever an adjustment moves both.
+export function answerWithPose(request, decision, siteFromScan, about) {
+  return {
+    ...answerTo(request, decision, about),
+    ref: { stamp_ns: request.reference.stamp_ns },
+    pose: roundedPose(between(poseOf(request.reference), siteFromScan)),
+  };
+}
+
+export function answerTo(request, decision, about) {
+  return { schema: 1, stamp_ns: request.stamp_ns, decision, id: request.id, ...about };
+}
+
+export function rejectionOf(request, about) {
+  return { ...answerTo(request, "reject_stretch", about), stamp_ns: request.from_ns, end_ns: request.until_ns };
+}
+
+export function newUid() {
+  const bytes = crypto.getRandomValues(new Uint8Array(6));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+}
+
+const roundedCoordinates = (value) => (Array.isArray(value) ? value.map(roundedCoordinates) : round(value, 4));
+
+// `attributes`: kind, class, width_m, frame, sigma_m, why, who, tool. Empty ones are left out.
+export function additionOf(geometry, attributes) {
+  const given = Object.entries(attributes).filter(([, value]) => value !== "" && value !== undefined);
+  return {
+    op: "add",
+    uid: newUid(),
+    geometry: { type: geometry.type, coordinates: roundedCoordinates(geometry.coordinates) },
+    when: utc(new Date()),
+    ...Object.fromEntries(given),
+  };
+}
+
+export function retirementOf(edit, who, tool) {
+  return { op: "retire", uid: edit.uid, rev: edit.rev + 1, who, when: utc(new Date()), why: "undone", tool };
+}

@@ -205,8 +205,8 @@ void TableWriter::Put(const Eigen::Matrix3d& m) {
   for (const double value : {m(0, 0), m(0, 1), m(0, 2), m(1, 1), m(1, 2), m(2, 2)}) PutReal(value);
 }
 
-void TableWriter::Put(const std::vector<float>& values) {
-  canonical_ = values;
+void TableWriter::Put(std::span<const float> values) {
+  canonical_.assign(values.begin(), values.end());
   for (float& value : canonical_) {
     if (std::isnan(value)) value = std::numeric_limits<float>::quiet_NaN();
   }

@@ -113,7 +113,7 @@ class TableWriter {
     Put(constraint.submap_from_scan);
     Put(constraint.covariance);
   }
-  void Put(const std::vector<float>& values);  // NaN becomes the canonical one
+  void Put(std::span<const float> values);  // NaN becomes the canonical one
 
   void PutInteger(std::int64_t value);
   void PutReal(double value);  // NaN becomes NULL

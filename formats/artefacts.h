@@ -19,6 +19,7 @@
 namespace formats {
 
 void WriteSession(const std::filesystem::path& file, const survey::Session& session, const Provenance& provenance);
+// Ranges are read from the file as they are asked for: it must not be changed in place (a new one may take its name).
 survey::Session ReadSession(const std::filesystem::path& file);
 
 void WriteTrack(const std::filesystem::path& file, const survey::Track& track,

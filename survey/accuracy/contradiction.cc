@@ -106,7 +106,7 @@ void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanPro
   ScanPoints points;
   std::vector<Eigen::Vector2f> hits;
   for (const std::size_t scan : pass->scans) {
-    projector.Project(session.scans[scan],
+    projector.Project(session, scan,
                       TwistOfScan(
                           session.scans, [&](std::size_t i) { return poses[i]; }, scan),
                       &points);

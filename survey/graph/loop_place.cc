@@ -16,7 +16,7 @@ void ProjectScan(const Session& session, const Track& track, ScanId scan, const 
                  ScanPoints* points) {
   const auto index = static_cast<std::size_t>(scan.value);
   const auto pose_of = [&](std::size_t i) { return track.scans[i].local_from_scan; };
-  projector.Project(session.scans[index], TwistOfScan(session.scans, pose_of, index), points);
+  projector.Project(session, index, TwistOfScan(session.scans, pose_of, index), points);
 }
 
 OccupancyOptions GridOptions(const PlaceOptions& options) {

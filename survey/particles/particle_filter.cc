@@ -89,7 +89,7 @@ class Filter {
 
   void Prepare(ScanId scan) {
     const auto index = static_cast<std::size_t>(scan.value);
-    projector_.Project(session_.scans[index],
+    projector_.Project(session_, index,
                        TwistOfScan(
                            session_.scans, [this](std::size_t i) { return Tracked(i); }, index),
                        &points_);

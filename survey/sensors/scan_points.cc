@@ -24,20 +24,26 @@ ScanProjector::ScanProjector(std::span<const ScanGeometry> geometries, double ma
   }
 }
 
-void ScanProjector::Project(const Scan& scan, const Twist2& twist, ScanPoints* points,
+void ScanProjector::Project(const Session& session, std::size_t scan, const Twist2& twist, ScanPoints* points,
+                            const Eigen::Matrix2d& level_from_lidar) const {
+  const std::span<const float> ranges_m = RangesOf(session, scan, &points->ranges_m);
+  Project(session.scans[scan].geometry, ranges_m, twist, points, level_from_lidar);
+}
+
+void ScanProjector::Project(int geometry, std::span<const float> ranges_m, const Twist2& twist, ScanPoints* points,
                             const Eigen::Matrix2d& level_from_lidar) const {
   const Eigen::Matrix2f level = level_from_lidar.cast<float>();
   const bool tilted = !level_from_lidar.isIdentity(0.0);
   points->hits.clear();
   points->free_ends.clear();
-  const Directions& directions = directions_[static_cast<std::size_t>(scan.geometry)];
+  const Directions& directions = directions_[static_cast<std::size_t>(geometry)];
   const auto dt = static_cast<float>(directions.geometry.time_increment_s);
   const bool skewed = dt > 0.0F && (twist.vx != 0.0 || twist.vy != 0.0 || twist.omega != 0.0);
   const auto vx = static_cast<float>(twist.vx);
   const auto vy = static_cast<float>(twist.vy);
   const auto omega = static_cast<float>(twist.omega);
-  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
-    const float range = scan.ranges_m[i];
+  for (std::size_t i = 0; i < ranges_m.size(); ++i) {
+    const float range = ranges_m[i];
     if (std::isnan(range)) continue;
     const bool hit = range <= max_range_m_;
     const float reach = hit ? range : free_range_m_;

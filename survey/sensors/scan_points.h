@@ -25,6 +25,7 @@ Twist2 TwistBetween(const Pose2& frame_from_a, const Pose2& frame_from_b, double
 struct ScanPoints {
   std::vector<Eigen::Vector2f> hits;       // m, in the lidar frame at the scan's stamp
   std::vector<Eigen::Vector2f> free_ends;  // ends of the free rays of beams without return
+  std::vector<float> ranges_m;             // where ranges that are not in memory are read to
 };
 
 // Turns ranges into points. Keeps the directions of the beams of each geometry, so use one per session.
@@ -36,7 +37,9 @@ class ScanProjector {
 
   // `points` is overwritten (its memory is reused). `level_from_lidar` projects the plane of the scan to the horizontal
   // (columns: the lidar's x and y axes seen from above, its heading zero).
-  void Project(const Scan& scan, const Twist2& twist, ScanPoints* points,
+  void Project(const Session& session, std::size_t scan, const Twist2& twist, ScanPoints* points,
+               const Eigen::Matrix2d& level_from_lidar = Eigen::Matrix2d::Identity()) const;
+  void Project(int geometry, std::span<const float> ranges_m, const Twist2& twist, ScanPoints* points,
                const Eigen::Matrix2d& level_from_lidar = Eigen::Matrix2d::Identity()) const;
 
  private:

@@ -13,14 +13,14 @@ constexpr StampNs kLongestPair = 1'000'000'000;
 
 // Mean difference of the ranges when beam i of `later` is laid over beam i + shift of `earlier`; large when few
 // overlap.
-double Misfit(const Scan& earlier, const Scan& later, int shift) {
+double Misfit(std::span<const float> earlier, std::span<const float> later, int shift) {
   constexpr double kMost_m = 1.0;  // what moved, or is seen from elsewhere
-  const int n = static_cast<int>(std::min(earlier.ranges_m.size(), later.ranges_m.size()));
+  const int n = static_cast<int>(std::min(earlier.size(), later.size()));
   double sum = 0.0;
   int count = 0;
   for (int i = std::max(0, -shift); i < n && i + shift < n; ++i) {
-    const float a = earlier.ranges_m[static_cast<std::size_t>(i + shift)];
-    const float b = later.ranges_m[static_cast<std::size_t>(i)];
+    const float a = earlier[static_cast<std::size_t>(i + shift)];
+    const float b = later[static_cast<std::size_t>(i)];
     if (!std::isfinite(a) || !std::isfinite(b)) continue;
     sum += std::min(kMost_m, static_cast<double>(std::abs(a - b)));
     ++count;
@@ -29,7 +29,7 @@ double Misfit(const Scan& earlier, const Scan& later, int shift) {
 }
 
 // The better of the shifts within a quarter of the expected one.
-double BestMisfit(const Scan& earlier, const Scan& later, double expected_shift) {
+double BestMisfit(std::span<const float> earlier, std::span<const float> later, double expected_shift) {
   const double slack = 0.25 * std::abs(expected_shift) + 1.0;
   double best = 1e9;
   for (int shift = static_cast<int>(std::floor(expected_shift - slack)); shift <= expected_shift + slack; ++shift)
@@ -41,6 +41,8 @@ double BestMisfit(const Scan& earlier, const Scan& later, double expected_shift)
 
 TurnVotes CompareScanTurns(const Session& session, const HeadingOfTime& heading, int max_pairs) {
   TurnVotes votes;
+  std::vector<float> earlier_buffer;
+  std::vector<float> later_buffer;
   std::size_t first = 0;
   std::optional<double> start = session.scans.empty() ? std::nullopt : heading(session.scans[0].stamp_ns);
   for (std::size_t i = 1; i < session.scans.size() && votes.with + votes.against < max_pairs; ++i) {
@@ -53,8 +55,10 @@ TurnVotes CompareScanTurns(const Session& session, const HeadingOfTime& heading,
     if (fresh && std::abs(turn) <= kMostTurn_rad && earlier.geometry == later.geometry) {
       const ScanGeometry& geometry = session.geometries[static_cast<std::size_t>(later.geometry)];
       const double shift = turn / geometry.angle_increment_rad;
-      const double with = BestMisfit(earlier, later, shift);
-      const double against = BestMisfit(earlier, later, -shift);
+      const std::span<const float> earlier_m = RangesOf(session, first, &earlier_buffer);
+      const std::span<const float> later_m = RangesOf(session, i, &later_buffer);
+      const double with = BestMisfit(earlier_m, later_m, shift);
+      const double against = BestMisfit(earlier_m, later_m, -shift);
       if (with < 0.7 * against) ++votes.with;
       if (against < 0.7 * with) ++votes.against;
     }

@@ -8,6 +8,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -71,15 +73,32 @@ struct SensorSetup {
   double mark_sigma_m = 0.005;                              // centring error over a point, 1 sigma per axis
 };
 
+// Where the ranges of a session's scans lie when they are read one scan at a time: a drive of hours need not fit into
+// memory.
+class ScanRanges {
+ public:
+  virtual ~ScanRanges() = default;
+  // Overwrites `ranges_m` with those of a scan, one per beam. May be called from several threads.
+  virtual void Read(std::size_t scan, std::vector<float>* ranges_m) const = 0;
+};
+
 // Scans in order of their stamps; IMU and odometry likewise; both may be empty. At least one scan.
 struct Session {
   SensorSetup setup;
   std::vector<ScanGeometry> geometries;
   std::vector<Scan> scans;
+  std::shared_ptr<const ScanRanges> ranges;  // null: each scan holds its own; otherwise scans hold none
   std::vector<ImuSample> imu;
   std::vector<OdometrySample> odometry;
   std::vector<Mark> marks;
 };
+
+// One range per beam; lives as long as the session and the buffer, which may be overwritten.
+inline std::span<const float> RangesOf(const Session& session, std::size_t scan, std::vector<float>* buffer) {
+  if (session.ranges == nullptr) return session.scans[scan].ranges_m;
+  session.ranges->Read(scan, buffer);
+  return *buffer;
+}
 
 // The stamps of a scan, kept beside its pose. They differ only where a faulty clock of the logging program was
 // repaired.

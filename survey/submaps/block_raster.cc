@@ -88,7 +88,7 @@ SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_fr
   const std::vector<bool> drawn = DrawnScans(site_from_scan, cell);
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
     if (!drawn[i]) continue;
-    projector.Project(session.scans[i], TwistOfScan(session.scans, pose_of, i), &points);
+    projector.Project(session, i, TwistOfScan(session.scans, pose_of, i), &points);
     const Pose2 pose = pose_of(i);
     TransformPoints(pose, points.hits, &hits);
     TransformPoints(pose, points.free_ends, &free_ends);

@@ -21,7 +21,7 @@ OccupancyPyramid DrawSubmap(const Session& session, const Track& track, const Su
   const auto pose_of = [&](std::size_t i) { return track.scans[i].local_from_scan; };
   for (const ScanId node : submap.nodes) {
     const auto index = static_cast<std::size_t>(node.value);
-    projector.Project(session.scans[index], TwistOfScan(session.scans, pose_of, index), &points);
+    projector.Project(session, index, TwistOfScan(session.scans, pose_of, index), &points);
     const Pose2 submap_from_scan = Between(submap.local_from_submap, pose_of(index));
     TransformPoints(submap_from_scan, points.hits, &hits);
     SurfacePoints(points.hits, options.cell_size_m, kMaxSurfaceGap_m, &surface_in_scan);

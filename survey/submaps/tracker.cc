@@ -43,7 +43,7 @@ class Tracker {
   void Process(std::size_t index) {
     const Scan& scan = session_.scans[index];
     const PredictedPose predicted = predictor_.Predict(scan.stamp_ns);
-    projector_.Project(scan, predicted.twist, &points_, predicted.level_from_lidar);
+    projector_.Project(session_, index, predicted.twist, &points_, predicted.level_from_lidar);
     prepared_.hits.swap(points_.hits);
     PrepareScan(options_.map, &prepared_);
 

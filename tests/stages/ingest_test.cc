@@ -82,10 +82,12 @@ TEST_F(IngestStageTest, ReadsCsvFilesOfOneBlock) {
   const survey::Session session = formats::ReadSession(scratch_ / "work/session.sqlite");
   ASSERT_EQ(session.scans.size(), 10U);
   EXPECT_EQ(session.scans[0].stamp_ns, 100'500'000'000);
-  EXPECT_EQ(session.scans[0].ranges_m[0], 1.5F);
-  EXPECT_EQ(session.scans[0].ranges_m[1], survey::kNoReturn);
-  EXPECT_EQ(session.scans[0].ranges_m[2], survey::kNoReturn);
-  EXPECT_TRUE(std::isnan(session.scans[0].ranges_m[4]));
+  std::vector<float> buffer;
+  const std::span<const float> ranges_m = survey::RangesOf(session, 0, &buffer);
+  EXPECT_EQ(ranges_m[0], 1.5F);
+  EXPECT_EQ(ranges_m[1], survey::kNoReturn);
+  EXPECT_EQ(ranges_m[2], survey::kNoReturn);
+  EXPECT_TRUE(std::isnan(ranges_m[4]));
   EXPECT_EQ(session.imu.size(), 40U);
   EXPECT_EQ(session.odometry[1].odom_from_body.x, 1.0);
   EXPECT_EQ(session.marks[1].point, "P2");

@@ -20,7 +20,7 @@ Points PointsFrom(const std::vector<test_support::Wall>& walls, const Pose2& pos
   const ScanGeometry geometry = test_support::WideScanner(361);
   const ScanProjector projector(std::vector{geometry}, 30.0, 0.0);
   ScanPoints points;
-  projector.Project({0, 0, test_support::SimulateRanges(walls, pose, geometry, sigma_m, seed)}, {}, &points);
+  projector.Project(0, test_support::SimulateRanges(walls, pose, geometry, sigma_m, seed), {}, &points);
   return points.hits;
 }
 

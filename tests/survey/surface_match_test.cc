@@ -19,7 +19,7 @@ std::vector<SurfacePoint> PointsFrom(const Walls& walls, const Pose2& pose, doub
   const ScanGeometry geometry = test_support::WideScanner(541);
   const ScanProjector projector(std::vector{geometry}, 30.0, 0.0);
   ScanPoints points;
-  projector.Project({0, 0, test_support::SimulateRanges(walls, pose, geometry, sigma_m, seed)}, {}, &points);
+  projector.Project(0, test_support::SimulateRanges(walls, pose, geometry, sigma_m, seed), {}, &points);
   std::vector<SurfacePoint> surfaces;
   SurfacePointsOfScan(points.hits, 0.05, 250, &surfaces);
   return surfaces;

@@ -86,7 +86,7 @@ std::vector<Eigen::Vector2f> PointsOf(const Block& block, survey::ScanId scan) {
   const survey::ScanProjector projector(block.session.geometries, kMaxRange_m, 0.0);
   const auto pose_of = [&](std::size_t i) { return block.solution.scans[i].site_from_scan; };
   survey::ScanPoints points;
-  projector.Project(block.session.scans[Index(scan)], survey::TwistOfScan(block.session.scans, pose_of, Index(scan)),
+  projector.Project(block.session, Index(scan), survey::TwistOfScan(block.session.scans, pose_of, Index(scan)),
                     &points);
   std::vector<Eigen::Vector2f> thinned;
   survey::ThinAlongScan(points.hits, 0.02, kMostPoints, &thinned);

@@ -10,11 +10,11 @@ namespace {
 bool HasReturn(float range_m) { return std::isfinite(range_m); }
 
 // Appends the runs of one scan.
-void AddRuns(const MapEdit& area, const Scan& scan, const ScanGeometry& geometry, const Pose2& site_from_scan,
-             std::vector<MaskedBeams>* runs) {
+void AddRuns(const MapEdit& area, StampNs stamp_ns, std::span<const float> ranges_m, const ScanGeometry& geometry,
+             const Pose2& site_from_scan, std::vector<MaskedBeams>* runs) {
   const std::size_t before = runs->size();
   for (int beam = 0; beam < geometry.num_beams; ++beam) {
-    const float range_m = scan.ranges_m[static_cast<std::size_t>(beam)];
+    const float range_m = ranges_m[static_cast<std::size_t>(beam)];
     if (!HasReturn(range_m)) continue;
     const double angle = geometry.angle_min_rad + beam * geometry.angle_increment_rad;
     const Eigen::Vector2d end = site_from_scan * Eigen::Vector2d(static_cast<double>(range_m) * std::cos(angle),
@@ -24,7 +24,7 @@ void AddRuns(const MapEdit& area, const Scan& scan, const ScanGeometry& geometry
     if (goes_on) {
       runs->back().last = beam;
     } else {
-      runs->push_back({scan.stamp_ns, beam, beam});
+      runs->push_back({stamp_ns, beam, beam});
     }
   }
 }
@@ -34,9 +34,11 @@ void AddRuns(const MapEdit& area, const Scan& scan, const ScanGeometry& geometry
 std::vector<MaskedBeams> BeamsInside(const MapEdit& area, const Session& session,
                                      const std::vector<Pose2>& site_from_scan) {
   std::vector<MaskedBeams> runs;
+  std::vector<float> buffer;
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
     const Scan& scan = session.scans[i];
-    AddRuns(area, scan, session.geometries[static_cast<std::size_t>(scan.geometry)], site_from_scan[i], &runs);
+    AddRuns(area, scan.stamp_ns, RangesOf(session, i, &buffer),
+            session.geometries[static_cast<std::size_t>(scan.geometry)], site_from_scan[i], &runs);
   }
   return runs;
 }

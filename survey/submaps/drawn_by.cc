@@ -94,7 +94,7 @@ void FillDrawnBy(const Session& session, const std::vector<Pose2>& site_from_sca
   std::vector<Eigen::Vector2f> ends;
   const auto pose_of = [&](std::size_t i) { return site_from_scan[i]; };
   for (std::size_t k = 0; k < asked.size(); ++k) {
-    projector.Project(session.scans[asked[k]], TwistOfScan(session.scans, pose_of, asked[k]), &points);
+    projector.Project(session, asked[k], TwistOfScan(session.scans, pose_of, asked[k]), &points);
     Pose2 pose = site_from_scan[asked[k]];
     pose.x -= corner.x();
     pose.y -= corner.y();

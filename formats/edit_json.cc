@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "formats/errors.h"
+#include "survey/edits/map_arrow.h"
 
 namespace formats {
 namespace {
@@ -19,6 +20,8 @@ using Points = std::vector<Eigen::Vector2d>;
 constexpr std::array kMembers = {"uid",        "kind",    "class",   "state", "geometry", "width_m",
                                  "frame",      "sigma_m", "who",     "when",  "why",      "tool",
                                  "supersedes", "basis",   "anchors", "beams", "rev"};
+
+constexpr int kMostBeams = 1000000;
 
 double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
@@ -179,6 +182,8 @@ class EditReader {
       if (part.size() < 2) Fail("a line needs two points");
       if (edit.kind == EditKind::kAdjust && part.size() != 2) Fail("an arrow of adjust has two points: from, to");
     }
+    if (edit.kind == EditKind::kAdjust && edit.sigma_m < survey::kLeastArrowSigma_m)
+      FailAt("sigma_m", edit.sigma_m, "must be 0.05 or more for adjust: a person does not outweigh control");
     for (const auto& [block, anchors] : edit.anchors) {
       if (anchors.size() != NumVertices(edit)) Fail("anchors of block " + block + ": must be one for each vertex");
     }

@@ -114,8 +114,10 @@ void WriteRosPicture(const fs::path& folder, const std::string& name, const std:
   const std::string crs = "# " + CrsNameOfLabel(label) + "; x east, y north, metres\n" + remark;
   WriteFileAtomically(folder / (name + ".yaml"),
                       RosYaml(raster, image,
-                              crs + "# origin: lower left corner in site coordinates. Tools that keep positions as "
-                                    "32-bit floats: use " + name + "_local.yaml.\n",
+                              crs +
+                                  "# origin: lower left corner in site coordinates. Tools that keep positions as "
+                                  "32-bit floats: use " +
+                                  name + "_local.yaml.\n",
                               origin_x, origin_y));
   char offset[128];
   std::snprintf(offset, sizeof offset, ", lower left corner at 0 0: site = local + (%.4f, %.4f)\n", origin_x, origin_y);

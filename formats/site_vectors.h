@@ -15,7 +15,7 @@
 
 namespace formats {
 
-enum class VectorShape { kPoint, kLine, kPolygon };
+enum class VectorShape { kPoint, kLine, kPolygon, kTable };  // a table has no places
 
 struct VectorField {
   std::string name;
@@ -24,7 +24,8 @@ struct VectorField {
 
 struct VectorFeature {
   std::vector<Eigen::Vector2d> vertices;                  // one for a point; polygons are closed by the writer
-  std::vector<std::variant<double, std::string>> values;  // in the order of the fields
+  std::vector<std::variant<double, std::string>> values;  // in the order of the fields; NaN is stored as NULL
+  std::vector<std::vector<Eigen::Vector2d>> holes;        // of polygons
 };
 
 struct VectorLayer {
@@ -35,6 +36,7 @@ struct VectorLayer {
   std::string label_field;  // empty: not labelled
   std::vector<VectorField> fields;
   std::vector<VectorFeature> features;
+  std::string form;  // of the attributes in QGIS, QML; empty: as QGIS likes
 };
 
 // Layers without features are there too, so that tools find what they expect.

@@ -5,6 +5,7 @@
 #include <gdal_priv.h>
 #include <ogrsf_frmts.h>
 
+#include <cmath>
 #include <memory>
 
 #include "formats/atomic_file.h"
@@ -42,8 +43,15 @@ Dataset Create(const char* driver_name, const std::filesystem::path& file) {
   return Dataset(driver->Create(file.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
 }
 
-void AddVertices(const VectorFeature& feature, OGRSimpleCurve* curve) {
-  for (const Eigen::Vector2d& vertex : feature.vertices) curve->addPoint(vertex.x(), vertex.y());
+void AddVertices(const std::vector<Eigen::Vector2d>& vertices, OGRSimpleCurve* curve) {
+  for (const Eigen::Vector2d& vertex : vertices) curve->addPoint(vertex.x(), vertex.y());
+}
+
+void AddRing(const std::vector<Eigen::Vector2d>& vertices, OGRPolygon* polygon) {
+  auto ring = std::make_unique<OGRLinearRing>();
+  AddVertices(vertices, ring.get());
+  ring->closeRings();
+  polygon->addRingDirectly(ring.release());
 }
 
 std::unique_ptr<OGRGeometry> Geometry(const VectorFeature& feature, VectorShape shape) {
@@ -52,19 +60,27 @@ std::unique_ptr<OGRGeometry> Geometry(const VectorFeature& feature, VectorShape 
   }
   if (shape == VectorShape::kLine) {
     auto line = std::make_unique<OGRLineString>();
-    AddVertices(feature, line.get());
+    AddVertices(feature.vertices, line.get());
     return line;
   }
-  auto ring = std::make_unique<OGRLinearRing>();
-  AddVertices(feature, ring.get());
-  ring->closeRings();
   auto polygon = std::make_unique<OGRPolygon>();
-  polygon->addRingDirectly(ring.release());
+  AddRing(feature.vertices, polygon.get());
+  for (const auto& hole : feature.holes) AddRing(hole, polygon.get());
   return polygon;
 }
 
 OGRwkbGeometryType TypeOf(VectorShape shape) {
-  return shape == VectorShape::kPoint ? wkbPoint : shape == VectorShape::kLine ? wkbLineString : wkbPolygon;
+  switch (shape) {
+    case VectorShape::kPoint:
+      return wkbPoint;
+    case VectorShape::kLine:
+      return wkbLineString;
+    case VectorShape::kPolygon:
+      return wkbPolygon;
+    case VectorShape::kTable:
+      break;
+  }
+  return wkbNone;
 }
 
 using FeaturePointer = std::unique_ptr<OGRFeature>;
@@ -74,14 +90,15 @@ void SetValues(const VectorLayer& layer, const VectorFeature& feature, OGRFeatur
     const int field = static_cast<int>(i);
     if (layer.fields[i].is_text) {
       row->SetField(field, std::get<std::string>(feature.values[i]).c_str());
-    } else {
-      row->SetField(field, std::get<double>(feature.values[i]));
+    } else if (const double number = std::get<double>(feature.values[i]); !std::isnan(number)) {
+      row->SetField(field, number);
     }
   }
 }
 
 void AddLayer(const VectorLayer& layer, OGRSpatialReference* crs, GDALDataset* dataset) {
-  OGRLayer* table = dataset->CreateLayer(layer.name.c_str(), crs, TypeOf(layer.shape), nullptr);
+  OGRLayer* table = dataset->CreateLayer(layer.name.c_str(), layer.shape == VectorShape::kTable ? nullptr : crs,
+                                         TypeOf(layer.shape), nullptr);
   if (table == nullptr) return;  // the session tells
   for (const VectorField& field : layer.fields) {
     OGRFieldDefn definition(field.name.c_str(), field.is_text ? OFTString : OFTReal);
@@ -90,7 +107,7 @@ void AddLayer(const VectorLayer& layer, OGRSpatialReference* crs, GDALDataset* d
   for (const VectorFeature& feature : layer.features) {
     const FeaturePointer row(OGRFeature::CreateFeature(table->GetLayerDefn()));
     SetValues(layer, feature, row.get());
-    row->SetGeometryDirectly(Geometry(feature, layer.shape).release());
+    if (layer.shape != VectorShape::kTable) row->SetGeometryDirectly(Geometry(feature, layer.shape).release());
     if (table->CreateFeature(row.get()) != OGRERR_NONE) return;
   }
 }
@@ -117,6 +134,7 @@ void AddStyles(const std::vector<VectorLayer>& layers, GDALDataset* dataset) {
     table->CreateField(&definition);
   }
   for (const VectorLayer& layer : layers) {
+    if (layer.shape == VectorShape::kTable) continue;
     const FeaturePointer row(OGRFeature::CreateFeature(table->GetLayerDefn()));
     for (const char* empty : {"f_table_catalog", "f_table_schema", "styleSLD", "owner"}) row->SetField(empty, "");
     row->SetField("f_table_name", layer.name.c_str());

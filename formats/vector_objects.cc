@@ -35,10 +35,11 @@ void WriteVectorObjects(const std::filesystem::path& file, const std::vector<sur
   }
   char resolution[32];
   std::snprintf(resolution, sizeof resolution, "%.10g", frame.cell_size_m);
-  WriteFileAtomically(file, "# Forbidden areas; coordinates as in map_local.yaml\nvector_object_server:\n"
-                            "  ros__parameters:\n    global_frame_id: \"map\"\n    resolution: " +
-                                std::string(resolution) + "\n    default_value: 0\n    overlay_type: 1\n    shapes: [" +
-                                names + "]\n" + shapes);
+  WriteFileAtomically(file,
+                      "# Forbidden areas; coordinates as in map_local.yaml\nvector_object_server:\n"
+                      "  ros__parameters:\n    global_frame_id: \"map\"\n    resolution: " +
+                          std::string(resolution) + "\n    default_value: 0\n    overlay_type: 1\n    shapes: [" +
+                          names + "]\n" + shapes);
 }
 
 }  // namespace formats

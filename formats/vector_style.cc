@@ -21,6 +21,8 @@ std::string SymbolLayer(const VectorLayer& layer) {
     case VectorShape::kPolygon:
       return "<layer class=\"SimpleFill\">" + Property("style", "no") + Property("outline_color", layer.colour) +
              Property("outline_width", "0.3") + "</layer>";
+    case VectorShape::kTable:
+      break;
   }
   return "";
 }
@@ -41,7 +43,7 @@ std::string QmlStyle(const VectorLayer& layer) {
     qml += "<labeling type=\"simple\"><settings><text-style fieldName=\"" + layer.label_field +
            "\" fontSize=\"8\" textColor=\"" + layer.colour + "\"/></settings></labeling>\n";
   }
-  return qml + "</qgis>\n";
+  return qml + layer.form + "</qgis>\n";
 }
 
 }  // namespace formats

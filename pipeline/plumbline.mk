@@ -31,8 +31,8 @@ PLUMBLINE_THREADS ?= 0
 plumbline.bin := $(abspath $(dir $(lastword $(MAKEFILE_LIST)))../../bin)
 export PATH := $(plumbline.bin):$(PATH)
 
-plumbline.block-stages := masks ingest track loops adjust grid edit features
-plumbline.site-stages := network join requests stitch certify report print
+plumbline.block-stages := feedback ingest track loops adjust grid edit features
+plumbline.site-stages := network join requests stitch robots certify report print
 
 # Checks the site, brings slices and sources up to date and keeps a second `make` out until this one ends. `graph` only
 # looks and needs no lock.
@@ -89,10 +89,15 @@ features := $(wildcard control/features.csv)
 # What `plumbline deliver` noted, both files or none.
 delivered := $(if $(and $(wildcard delivered/control.csv),$(wildcard delivered/poses.csv)),delivered/control.csv delivered/poses.csv)
 accuracy-classes := $(wildcard accuracy-classes.toml)
-# Of the edits only masks reach back to the field data.
+# Of the edits only masks (to the field data) and arrows (to the adjustment) reach back.
 ledger := $(wildcard edits/ledger.jsonl)
-masking-ledger := $(if $(ledger),$(if $(shell grep -l '"kind":"mask_returns"' $(ledger)),$(ledger)))
-masks-of = $(if $(masking-ledger),work/$(1)/masks.json)
+$(if $(ledger),,$(if $(wildcard edits/*.geojson),$(warning edits/*.geojson do not count by themselves: \
+  `plumbline edits add` takes them into the ledger)))
+reaching-back = $(if $(ledger),$(shell grep -l '"kind":"$(1)"' $(ledger)))
+masked := $(call reaching-back,mask_returns)
+with-arrows := $(call reaching-back,adjust)
+masks-of = $(if $(masked),work/$(1)/masks.json)
+arrows-of = $(if $(with-arrows),work/$(1)/arrows.json)
 raw = $(sort $(wildcard blocks/$(1)/raw/*))
 marks = $(wildcard blocks/$(1)/marks.csv)
 answers = $(sort $(wildcard blocks/$(1)/answers/*.json))
@@ -112,8 +117,8 @@ named = $(foreach b,$(1),$(b)=work/$(b)/$(2))
 of-blocks = $(foreach b,$(1),work/$(b)/$(2))
 
 define block
-$(if $(masking-ledger),$(call stage,masks,$(1),$(call source,$(ledger)),work/$(1)/masks.json,\
-  --ledger $(ledger) --block $(1) --output work/$(1)/masks.json))
+$(if $(masked)$(with-arrows),$(call stage,feedback,$(1),$(call source,$(ledger)),work/$(1)/masks.json work/$(1)/arrows.json,\
+  --ledger $(ledger) --block $(1) --masks work/$(1)/masks.json --arrows work/$(1)/arrows.json))
 $(call stage,ingest,$(1),$(call source,$(call raw,$(1)) $(call marks,$(1))) $(call masks-of,$(1)),\
   work/$(1)/session.sqlite,\
   --raw $(call raw,$(1)) $(addprefix --marks ,$(call marks,$(1))) $(addprefix --masks ,$(call masks-of,$(1)))\
@@ -124,9 +129,10 @@ $(call stage,track,$(1),work/$(1)/session.sqlite $(call source,$(call answers,$(
 $(call stage,loops,$(1),work/$(1)/session.sqlite work/$(1)/track.sqlite,work/$(1)/loops.sqlite,\
   --session work/$(1)/session.sqlite --track work/$(1)/track.sqlite --output work/$(1)/loops.sqlite)
 $(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call control-of,$(1))\
-  $(call source,$(call answers,$(1))),$(call adjusted-of,$(1)) $(call graph-of,$(1)),\
+  $(call source,$(call answers,$(1))) $(call arrows-of,$(1)),$(call adjusted-of,$(1)) $(call graph-of,$(1)),\
   --track work/$(1)/track.sqlite --loops work/$(1)/loops.sqlite $(addprefix --control ,$(call control-of,$(1)))\
-  $(addprefix --answers ,$(call answers,$(1))) --output $(call adjusted-of,$(1)) $(addprefix --graph ,$(call graph-of,$(1))))
+  $(addprefix --answers ,$(call answers,$(1))) $(addprefix --arrows ,$(call arrows-of,$(1)))\
+  --output $(call adjusted-of,$(1)) $(addprefix --graph ,$(call graph-of,$(1))))
 $(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$(1)/grid.tif,\
   --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --output work/$(1)/grid.tif)
 $(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(ledger)),\
@@ -171,22 +177,31 @@ $(call stage,requests,,$(of-each) $(call source,$(foreach b,$(blocks),$(call ans
   --grid $(call named,$(blocks),grid.tif)\
   $(foreach b,$(blocks),$(addprefix --answers $(b)=,$(call answers,$(b)))) --output work/requests.jsonl)
 
+# Edits of the blocks, once there are any.
+edits-of = $(if $(ledger),$(1))
+$(if $(ledger),$(if $(site-map),$(call stage,robots,,$(site-map) $(call of-blocks,$(site-blocks),edits.json),\
+  $(addprefix out/ros/,keepout.pgm keepout.yaml keepout_local.yaml vector_objects.yaml),\
+  --site-map $(site-map) --edits $(call named,$(site-blocks),edits.json) --output out/ros)))
+
 $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sqlite)\
+  $(call edits-of,$(call of-blocks,$(blocks),edits.json))\
   $(if $(features),$(call of-blocks,$(blocks),features.sqlite) $(call source,$(features))) out/seams.json work/requests.jsonl\
   $(joint-report)\
   $(call source,$(accuracy-classes)) $(call source,$(delivered)),\
   out/certificate.json,\
   --control work/control.sqlite --solution $(call named,$(blocks),solution.sqlite)\
   $(if $(features),--features $(call named,$(blocks),features.sqlite) --feature-list $(features))\
-  $(addprefix --classes ,$(accuracy-classes)) --seams out/seams.json --requests work/requests.jsonl\
+  $(addprefix --classes ,$(accuracy-classes)) $(call edits-of,--edits $(call named,$(blocks),edits.json)) --seams out/seams.json --requests work/requests.jsonl\
   $(addprefix --joint ,$(joint-report))\
   $(if $(delivered),--delivered-control delivered/control.csv --delivered-poses delivered/poses.csv)\
   --output out/certificate.json)
 
-$(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite),\
+$(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite)\
+  $(call edits-of,$(call of-blocks,$(site-blocks),edits.json)),\
   out/certificate.html out/site.gpkg out/site.dxf,\
   --certificate out/certificate.json $(addprefix --site-map ,$(site-map))\
   --solution $(call named,$(blocks),solution.sqlite) --geopackage out/site.gpkg --dxf out/site.dxf\
+  $(call edits-of,--edits $(call named,$(site-blocks),edits.json))\
   --output out/certificate.html)
 
 # On paper where WeasyPrint is installed; WEASYPRINT= leaves the PDF out.

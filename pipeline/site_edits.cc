@@ -5,11 +5,15 @@
 #include <limits>
 
 #include "formats/artefacts.h"
+#include "formats/block_edits_file.h"
 #include "formats/errors.h"
+#include "formats/rosbridge.h"
 #include "pipeline/descent.h"
 #include "pipeline/site_layout.h"
-#include "survey/edits/anchoring.h"
+#include "survey/edits/apply_edits.h"
 #include "survey/edits/masked_beams.h"
+#include "survey/edits/site_edits.h"
+#include "survey/grid/mosaic.h"
 
 namespace pipeline {
 namespace {
@@ -23,6 +27,8 @@ using survey::MapEdit;
 
 // A vertex at least this often: the map under a line may bend (m).
 constexpr double kVertexSpacing_m = 2.0;
+// Edges of a map are walls, and people draw on their outer side too (m).
+constexpr double kBesideTheMap_m = 1.0;
 // A forbidden area may reach beyond the map; an edit wholly out there was drawn in other coordinates (m).
 constexpr double kOffTheMap_m = 20.0;
 
@@ -47,12 +53,9 @@ BlockMap ReadBlockMap(const fs::path& site, const std::string& block) {
   const fs::path grid = InBlock(site, block, "grid.tif");
   const fs::path solution = InBlock(site, block, "solution.sqlite");
   RequireDescent(grid, solution);
-  BlockMap map{.name = block, .grid = formats::ReadRaster(grid), .poses = {}};
+  BlockMap map{.name = block, .grid = formats::ReadRaster(grid), .poses = ReadBlockPoses(solution)};
   if (map.grid.drawn_by.empty())
     throw DataError(grid.string() + ": does not tell which scan drew a cell; plumbline run draws it anew");
-  for (const survey::SolvedScan& scan : formats::ReadSolution(solution).scans)
-    map.poses.site_from_scan.push_back(scan.site_from_scan);
-  map.poses.stamps = survey::ClockStamps(formats::ReadScanStamps(solution));
   return map;
 }
 
@@ -83,7 +86,7 @@ void Tie(const fs::path& site, const std::vector<BlockMap>& maps, const Basis& b
   if (on_map) *edit = survey::Densified(*edit, kVertexSpacing_m);
   RequireOnTheMaps(*edit, maps);
   for (const BlockMap& map : maps) {
-    if (survey::DistanceToRaster(*edit, map.grid) > 0) continue;
+    if (survey::DistanceToRaster(*edit, map.grid) > kBesideTheMap_m) continue;
     if (on_map || edit->kind == EditKind::kAdjust) {
       auto anchors = survey::AnchorsOf(*edit, map.grid, map.poses);
       if (HasAny(anchors)) edit->anchors[map.name] = std::move(anchors);
@@ -108,6 +111,14 @@ Basis BasisOf(const fs::path& site) {
   return basis;
 }
 
+survey::BlockPoses ReadBlockPoses(const fs::path& solution) {
+  survey::BlockPoses poses;
+  for (const survey::SolvedScan& scan : formats::ReadSolution(solution).scans)
+    poses.site_from_scan.push_back(scan.site_from_scan);
+  poses.stamps = survey::ClockStamps(formats::ReadScanStamps(solution));
+  return poses;
+}
+
 formats::RasterLabel LabelOfSite(const fs::path& site) {
   formats::RasterLabel label;
   for (const std::string& block : MappedBlocks(site)) {
@@ -115,6 +126,38 @@ formats::RasterLabel LabelOfSite(const fs::path& site) {
     if (label.tied) return label;
   }
   return label;
+}
+
+std::vector<survey::BlockEdits> ReadBlockEdits(const std::vector<NamedFile>& files) {
+  std::vector<survey::BlockEdits> blocks;
+  for (const NamedFile& file : files) blocks.push_back(formats::ReadBlockEdits(file.file));
+  return blocks;
+}
+
+std::vector<MapEdit> EditsFromRosbridge(const fs::path& site, const fs::path& file) {
+  std::vector<survey::RasterStrips> tied;
+  std::vector<survey::RasterStrips> local;
+  for (const std::string& block : MappedBlocks(site)) {
+    formats::RasterLabel label;
+    survey::RasterStrips map = formats::OpenRaster(InBlock(site, block, "map.tif"), &label);
+    (label.tied ? tied : local).push_back(std::move(map));
+  }
+  if (tied.empty() && local.size() == 1) tied = std::move(local);
+  if (tied.empty()) throw DataError(site.string() + ": there is no map yet to be edited; plumbline run first");
+  return formats::CellEdits(formats::ReadRosbridgeGrid(file, "/map"), survey::MosaicOf(std::move(tied), {}),
+                            file.string());
+}
+
+std::vector<MapEdit> PlacedEdits(const fs::path& site) {
+  const std::vector<MapEdit> active = formats::ReadLedger(LedgerFile(site)).Active();
+  std::vector<survey::BlockEdits> blocks;
+  for (const std::string& block : MappedBlocks(site))
+    blocks.push_back(
+        {.block = block,
+         .edits = survey::EditsOfBlock(block, active, ReadBlockPoses(InBlock(site, block, "solution.sqlite")))});
+  std::vector<MapEdit> placed;
+  for (const survey::SiteEdit& edit : survey::SiteEdits(blocks)) placed.push_back(edit.applied.edit);
+  return placed;
 }
 
 std::optional<std::string> RecordEdits(const fs::path& site, std::vector<LedgerLine> lines,

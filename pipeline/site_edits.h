@@ -12,6 +12,8 @@
 
 #include "formats/edit_ledger.h"
 #include "formats/raster_file.h"
+#include "pipeline/stage.h"
+#include "survey/edits/anchoring.h"
 
 namespace pipeline {
 
@@ -21,8 +23,20 @@ std::filesystem::path LedgerFile(const std::filesystem::path& site);
 using Basis = std::map<std::string, std::string>;
 Basis BasisOf(const std::filesystem::path& site);
 
+// The scans of a solution.sqlite.
+survey::BlockPoses ReadBlockPoses(const std::filesystem::path& solution);
+
 // The coordinate system of the site's tied maps; empty without one.
 formats::RasterLabel LabelOfSite(const std::filesystem::path& site);
+
+// edits.json of several blocks.
+std::vector<survey::BlockEdits> ReadBlockEdits(const std::vector<NamedFile>& files);
+
+// What a person made of the map that `plumbline rosbridge` wrote, as edits of cells.
+std::vector<survey::MapEdit> EditsFromRosbridge(const std::filesystem::path& site, const std::filesystem::path& file);
+
+// The edits that hold, in order of their uids, where the current maps put them.
+std::vector<survey::MapEdit> PlacedEdits(const std::filesystem::path& site);
 
 // Ties additions and modifications to the current maps (anchors, beams of masks, more vertices on long lines) and
 // appends all lines; see formats::AppendToLedger for what it fills in, what it returns and what it refuses. DataError

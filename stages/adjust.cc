@@ -6,7 +6,9 @@
 #include "formats/answers_file.h"
 #include "formats/artefacts.h"
 #include "formats/digest.h"
+#include "formats/feedback_files.h"
 #include "pipeline/stage.h"
+#include "survey/edits/map_arrow.h"
 #include "survey/graph/block_adjustment.h"
 
 namespace {
@@ -29,6 +31,29 @@ std::string Summary(const survey::Solution& solution) {
   return text + residuals;
 }
 
+std::string Described(const survey::SolvedMark& arrow) {
+  if (!arrow.used) return arrow.point + " is left out: " + arrow.left_out;
+  char text[80];
+  std::snprintf(text, sizeof text, ": the map lies %.3f m from its head", arrow.residual.norm());
+  return arrow.point + text;
+}
+
+// People's arrows as observations beside control, where control fixes the block.
+std::vector<survey::MapArrow> AddArrows(const std::filesystem::path& file, const std::vector<survey::StampNs>& stamps,
+                                        survey::Track* track, survey::ControlNetwork* control,
+                                        pipeline::StageRun& run) {
+  const std::vector<survey::MapArrow> arrows = formats::ReadArrows(file);
+  if (arrows.empty()) return {};
+  if (!survey::IsTiedByControl(*track, *control)) {
+    run.Warn("arrows that people drew are not used: the block is not tied to two control points");
+    return {};
+  }
+  for (const std::string& name : survey::AddArrows(arrows, stamps, track, control))
+    run.Warn("arrow " + name + ": its scan is gone");
+  run.AddInput({"arrows", formats::Sha256(formats::CanonicalText(arrows))});
+  return arrows;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -48,6 +73,9 @@ int main(int argc, char** argv) {
   std::vector<std::filesystem::path> answer_files;
   stage.Inputs("answers", &answer_files, "a person's answers about the block's scans, JSON", false,
                pipeline::Content::kParsed);
+  std::filesystem::path arrows_file;
+  stage.OptionalInput("arrows", &arrows_file, "arrows.json: what people say lies elsewhere",
+                      pipeline::Content::kParsed);
   stage.Output("output", &output, "solution.sqlite to write");
   stage.OptionalOutput("graph", &graph, "graph.sqlite to write: the observations, for `plumbline join`");
   stage.Option("loop-robust-sigmas", &options.tie.solver.robust_scale, "beyond this a loop loses weight", {.min = 0.1});
@@ -56,16 +84,24 @@ int main(int argc, char** argv) {
   stage.Option("covariance-spacing-m", &options.covariance_spacing_m,
                "path between poses whose covariance is written (m)", {.min = 0.1});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
-    const survey::Track track = formats::ReadTrack(track_file);
+    survey::Track track = formats::ReadTrack(track_file);
     const survey::Loops loops = formats::ReadLoops(loops_file);
-    const survey::ControlNetwork control =
+    survey::ControlNetwork control =
         control_file.empty() ? survey::ControlNetwork{} : formats::ReadControl(control_file);
     const std::vector<survey::ScanStamp> stamps = formats::ReadScanStamps(track_file);
     const survey::Answers answers = formats::ReadAnswers(answer_files, survey::ClockStamps(stamps));
     if (!answers.empty()) run.AddInput({"answers", formats::Sha256(formats::CanonicalText(answers))});
-    const survey::BlockAdjustment adjustment =
+    std::vector<survey::MapArrow> arrows;
+    if (!arrows_file.empty() && !graph.empty())
+      run.Warn("arrows that people drew are not used where the blocks are adjusted together");
+    else if (!arrows_file.empty())
+      arrows = AddArrows(arrows_file, survey::ClockStamps(stamps), &track, &control, run);
+    survey::BlockAdjustment adjustment =
         survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options, answers);
     if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
+    for (const survey::SolvedMark& arrow : survey::TakeArrows(arrows, &adjustment.solution)) {
+      run.Message(Described(arrow));
+    }
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
     if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());
     for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);

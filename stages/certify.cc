@@ -16,7 +16,9 @@
 #include "formats/requests_file.h"
 #include "formats/seam_summary.h"
 #include "formats/site_metric.h"
+#include "pipeline/site_edits.h"
 #include "pipeline/stage.h"
+#include "survey/edits/site_edits.h"
 
 namespace {
 
@@ -32,6 +34,7 @@ struct CertifyFiles {
   std::filesystem::path requests;
   std::filesystem::path delivered_control, delivered_poses;
   std::filesystem::path classes;
+  std::vector<NamedFile> edits;
   std::filesystem::path output;
 };
 
@@ -116,6 +119,12 @@ std::vector<survey::AccuracyClass> ReadClasses(const CertifyFiles& files, std::o
   return classes;
 }
 
+std::optional<survey::EditSummary> ReadEditSummary(const std::vector<NamedFile>& files) {
+  const std::vector<survey::BlockEdits> blocks = pipeline::ReadBlockEdits(files);
+  const bool any = std::any_of(blocks.begin(), blocks.end(), [](const auto& block) { return !block.edits.empty(); });
+  return any ? std::optional(survey::SummarizeEdits(blocks)) : std::nullopt;
+}
+
 std::string Summary(const survey::Certificate& certificate) {
   if (!certificate.tied) return "no block is tied to control: nothing is certified";
   std::string text = "not tested: no checks";
@@ -142,6 +151,7 @@ void Run(const CertifyFiles& files, survey::CertifyInput input, pipeline::StageR
   if (!files.joint.empty()) certificate.joint = formats::ReadJoint(files.joint);
   if (certificate.tied) certificate.metric = formats::MetricSentence(input.network);
   certificate.since_delivery = ChangesSinceDelivery(files, input);
+  certificate.edits = ReadEditSummary(files.edits);
   formats::WriteCertificate(files.output, certificate, run.Provenance());
   run.Message(Summary(certificate));
 }
@@ -171,6 +181,7 @@ int main(int argc, char** argv) {
                       pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("delivered-poses", &files.delivered_poses, "the platform at the last delivery (CSV)",
                       pipeline::Content::kTextWithoutComments);
+  stage.NamedInputs("edits", &files.edits, "edits.json of each block", false);
   stage.OptionalInput("classes", &files.classes, "further accuracy classes (TOML)",
                       pipeline::Content::kTextWithoutComments);
   stage.Output("output", &files.output, "certificate.json to write");

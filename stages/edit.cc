@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-edit: a block's map out of its grid and the map edits that people drew.
-#include "formats/artefacts.h"
 #include "formats/block_edits_file.h"
 #include "formats/digest.h"
 #include "formats/edit_ledger.h"
 #include "formats/raster_file.h"
 #include "pipeline/descent.h"
+#include "pipeline/site_edits.h"
 #include "pipeline/stage.h"
 #include "survey/edits/apply_edits.h"
 
@@ -23,11 +23,8 @@ std::string TitleOf(const survey::MapEdit& edit) { return std::string(Name(edit.
 // Of the edits of the site those that reach the block's map.
 std::vector<AppliedEdit> ReadEdits(const fs::path& ledger, const std::string& block, const fs::path& solution_file,
                                    const survey::SiteRaster& grid) {
-  survey::BlockPoses poses;
-  for (const survey::SolvedScan& scan : formats::ReadSolution(solution_file).scans)
-    poses.site_from_scan.push_back(scan.site_from_scan);
-  poses.stamps = survey::ClockStamps(formats::ReadScanStamps(solution_file));
-  std::vector<AppliedEdit> edits = survey::EditsOfBlock(block, formats::ReadLedger(ledger).Active(), poses);
+  std::vector<AppliedEdit> edits =
+      survey::EditsOfBlock(block, formats::ReadLedger(ledger).Active(), pipeline::ReadBlockPoses(solution_file));
   for (const AppliedEdit& applied : edits) {
     const double distance_m = survey::DistanceToRaster(applied.edit, grid);
     if (distance_m > kTooFar_m)
@@ -35,7 +32,9 @@ std::vector<AppliedEdit> ReadEdits(const fs::path& ledger, const std::string& bl
                                std::to_string(static_cast<std::int64_t>(distance_m / 1000)) +
                                " km outside the map; edits must be in site coordinates (easting, northing)");
   }
-  std::erase_if(edits, [&](const AppliedEdit& applied) { return survey::DistanceToRaster(applied.edit, grid) > 0; });
+  std::erase_if(edits, [&](const AppliedEdit& applied) {
+    return applied.anchored == 0 && survey::DistanceToRaster(applied.edit, grid) > 0;
+  });
   return edits;
 }
 
@@ -86,6 +85,7 @@ int main(int argc, char** argv) {
     survey::SiteRaster raster = formats::ReadRaster(grid_file, &label);
     pipeline::RequireDescent(grid_file, solution_file);
     std::vector<AppliedEdit> concerned;
+    if (!ledger.empty() && block.empty()) throw formats::UsageError("--ledger needs --block, the block's name in it");
     if (!ledger.empty()) concerned = ReadEdits(ledger, block, solution_file, raster);
     if (!concerned.empty()) {
       run.AddInput({"ledger", DigestOf(block, concerned)});

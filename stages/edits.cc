@@ -5,6 +5,7 @@
 #include <ctime>
 #include <iostream>
 
+#include "formats/edit_package.h"
 #include "formats/edits_file.h"
 #include "formats/text_table.h"
 #include "pipeline/site_edits.h"
@@ -22,6 +23,7 @@ struct Request {
   fs::path action;
   fs::path site;
   fs::path from;
+  fs::path geopackage;
   std::string uid;
   std::string who;
   std::string why;
@@ -51,10 +53,15 @@ void Record(const Request& request, std::vector<LedgerLine> lines, pipeline::Sta
               pipeline::LedgerFile(request.site).string());
 }
 
+std::vector<MapEdit> ReadDrawn(const Request& request) {
+  if (request.from.extension() == ".jsonl") return pipeline::EditsFromRosbridge(request.site, request.from);
+  return formats::ReadEdits(request.from, pipeline::LabelOfSite(request.site).frame.crs);
+}
+
 void Add(const Request& request, pipeline::StageRun& run) {
-  if (request.from.empty()) throw UsageError("--from is required: the GeoJSON file with the drawn edits");
+  if (request.from.empty()) throw UsageError("--from is required: the file with the drawn edits");
   std::vector<LedgerLine> lines;
-  for (MapEdit& edit : formats::ReadEdits(request.from, pipeline::LabelOfSite(request.site).frame.crs)) {
+  for (MapEdit& edit : ReadDrawn(request)) {
     FillIn(request, &edit);
     lines.push_back({LedgerOperation::kAdd, std::move(edit)});
   }
@@ -67,6 +74,28 @@ void Retire(const Request& request, pipeline::StageRun& run) {
   line.edit.uid = request.uid;
   FillIn(request, &line.edit);
   Record(request, {line}, run);
+}
+
+void Checkout(const Request& request, pipeline::StageRun& run) {
+  if (request.geopackage.empty()) throw UsageError("--geopackage is required: the file for QGIS to write");
+  formats::WriteEditPackage(request.geopackage, pipeline::PlacedEdits(request.site), pipeline::BasisOf(request.site),
+                            pipeline::LabelOfSite(request.site));
+  run.Message("draw in " + request.geopackage.string() + ", then: plumbline edits accept " + request.site.string() +
+              " --from " + request.geopackage.string());
+}
+
+void Accept(const Request& request, pipeline::StageRun& run) {
+  if (request.from.empty()) throw UsageError("--from is required: the GeoPackage that was checked out");
+  std::vector<LedgerLine> lines = formats::ReadEditPackage(request.from);
+  for (LedgerLine& line : lines) {
+    if (line.operation != LedgerOperation::kAdd && !request.who.empty()) line.edit.who = request.who;
+    FillIn(request, &line.edit);
+  }
+  if (lines.empty()) {
+    run.Message("nothing was changed in " + request.from.string());
+  } else {
+    Record(request, std::move(lines), run);
+  }
 }
 
 void List(const Request& request) {
@@ -82,15 +111,12 @@ void List(const Request& request) {
 void Do(const Request& request, pipeline::StageRun& run) {
   if (!fs::exists(request.site / "site.toml"))
     throw UsageError(request.site.string() + ": no site.toml in it, so it is not a site (plumbline new makes one)");
-  if (request.action == "add") {
-    Add(request, run);
-  } else if (request.action == "retire") {
-    Retire(request, run);
-  } else if (request.action == "list") {
-    List(request);
-  } else {
-    throw UsageError(request.action.string() + ": must be add, retire or list");
-  }
+  if (request.action == "add") return Add(request, run);
+  if (request.action == "retire") return Retire(request, run);
+  if (request.action == "list") return List(request);
+  if (request.action == "checkout") return Checkout(request, run);
+  if (request.action == "accept") return Accept(request, run);
+  throw UsageError(request.action.string() + ": must be add, retire, list, checkout or accept");
 }
 
 }  // namespace
@@ -104,9 +130,13 @@ int main(int argc, char** argv) {
       "  plumbline edits retire office --uid 3f1c9a6e02b7 --who \"M. Huber\" --why \"wall is gone\"\n"
       "  plumbline edits list office");
   Request request;
-  stage.Positional("ACTION", &request.action, "add, retire or list");
+  stage.Positional("ACTION", &request.action, "add, retire, list, checkout or accept");
   stage.Positional("SITE", &request.site, "the site's folder");
-  stage.OptionalInput("from", &request.from, "GeoJSON with drawn edits", pipeline::Content::kParsed);
+  stage.OptionalInput(
+      "from", &request.from,
+      "drawn edits: GeoJSON or an edited map of rosbridge, .jsonl (add), the GeoPackage that was checked out (accept)",
+      pipeline::Content::kParsed);
+  stage.OptionalOutput("geopackage", &request.geopackage, "GeoPackage to write (checkout)");
   stage.Text("uid", &request.uid, "the edit to retire");
   stage.Text("who", &request.who, "who decided it, where the drawn edits do not say");
   stage.Text("why", &request.why, "why, likewise");

@@ -8,7 +8,7 @@
 #include "formats/digest.h"
 #include "formats/field_csv.h"
 #include "formats/field_data.h"
-#include "formats/masks_file.h"
+#include "formats/feedback_files.h"
 #include "pipeline/stage.h"
 #include "survey/edits/masked_beams.h"
 #include "survey/inertial/motion_checks.h"

@@ -41,6 +41,8 @@ constexpr const char* kHelp = R"(Plumbline makes georeferenced indoor maps from 
                      what is done, what is stale and why, what failed
   plumbline deliver SITE
                      note that the results were handed over: later certificates tell what changed since
+  plumbline edits add|retire|list|checkout|accept SITE ...
+                     what people want changed in the maps
   plumbline show FILE | check FILE
                      print or verify any result
   plumbline STAGE ...

@@ -5,9 +5,11 @@
 #include "formats/atomic_file.h"
 #include "formats/certificate_file.h"
 #include "formats/certificate_html.h"
+#include "formats/edit_layers.h"
 #include "formats/feature_pictures.h"
 #include "formats/site_vectors.h"
 #include "formats/vector_files.h"
+#include "pipeline/site_edits.h"
 #include "pipeline/stage.h"
 
 namespace {
@@ -37,10 +39,11 @@ int main(int argc, char** argv) {
       "plumbline report --certificate out/certificate.json --site-map out/site.tif --solution "
       "B1=work/B1/solution.sqlite --geopackage out/site.gpkg --dxf out/site.dxf --output out/certificate.html");
   std::filesystem::path certificate, site_map, output, geopackage, dxf;
-  std::vector<pipeline::NamedFile> solutions;
+  std::vector<pipeline::NamedFile> solutions, edits;
   stage.Input("certificate", &certificate, "certificate.json");
   stage.OptionalInput("site-map", &site_map, "site.tif, for the figures");
   stage.NamedInputs("solution", &solutions, "solution.sqlite of each block, for the figures", false);
+  stage.NamedInputs("edits", &edits, "edits.json of each block on the map, for the layers", false);
   stage.Output("output", &output, "certificate.html to write");
   stage.OptionalOutput("geopackage", &geopackage, "site.gpkg to write: control, checks, error vectors, tracks");
   stage.OptionalOutput("dxf", &dxf, "site.dxf to write: the same for CAD");
@@ -53,7 +56,9 @@ int main(int argc, char** argv) {
     }
     page.provenance = run.Provenance();
     formats::WriteFileAtomically(output, formats::CertificateHtml(page));
-    const std::vector<formats::VectorLayer> layers = formats::SiteVectorLayers(page.certificate, page.trajectories);
+    std::vector<formats::VectorLayer> layers = formats::SiteVectorLayers(page.certificate, page.trajectories);
+    for (formats::VectorLayer& layer : formats::EditLayers(survey::SiteEdits(pipeline::ReadBlockEdits(edits))))
+      layers.push_back(std::move(layer));
     const formats::RasterLabel label{.frame = page.certificate.frame, .tied = page.certificate.tied};
     if (!geopackage.empty()) formats::WriteGeoPackage(geopackage, layers, label, run.Provenance());
     if (!dxf.empty()) formats::WriteDxf(dxf, layers);

@@ -1,26 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-robots: what people forbade to robots, as a keep-out mask and as shapes beside the map for ROS.
-#include "formats/block_edits_file.h"
 #include "formats/raster_file.h"
 #include "formats/vector_objects.h"
+#include "pipeline/site_edits.h"
 #include "pipeline/stage.h"
 #include "survey/edits/keepout.h"
 #include "survey/edits/site_edits.h"
-
-namespace {
-
-std::vector<survey::MapEdit> ForbiddenAreas(const std::vector<pipeline::NamedFile>& files) {
-  std::vector<survey::BlockEdits> blocks;
-  for (const pipeline::NamedFile& file : files) blocks.push_back(formats::ReadBlockEdits(file.file));
-  std::vector<survey::MapEdit> areas;
-  for (const survey::SiteEdit& edit : survey::SiteEdits(blocks)) {
-    if (edit.applied.edit.kind == survey::EditKind::kForbidden) areas.push_back(edit.applied.edit);
-  }
-  return areas;
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
   pipeline::Stage stage("robots", "Write the forbidden areas of a site for robots, beside its ROS map.",
@@ -33,7 +19,7 @@ int main(int argc, char** argv) {
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     formats::RasterLabel label;
     const survey::SiteRaster frame = formats::ReadRasterFrame(site_map, &label);
-    const std::vector<survey::MapEdit> areas = ForbiddenAreas(edits);
+    const std::vector<survey::MapEdit> areas = survey::ForbiddenAreas(pipeline::ReadBlockEdits(edits));
     formats::WriteKeepoutMask(output, survey::KeepoutStrips(frame, areas), label);
     formats::WriteVectorObjects(output / "vector_objects.yaml", areas, frame);
     run.Message(std::to_string(areas.size()) + (areas.size() == 1 ? " forbidden area" : " forbidden areas"));

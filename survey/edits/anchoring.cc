@@ -13,22 +13,26 @@ using Eigen::Vector2d;
 using Ring = std::vector<Vector2d>;
 
 constexpr double kSearch_m = 0.5;
+constexpr double kWall_m = 0.15;  // so near a wall is what a person means
 
-// Array index of the scan that drew the cell nearest to a place; empty when none did within kSearch_m.
+// Array index of the scan that drew what a person points at: the nearest wall within the width of a hand, else the
+// nearest cell; empty when no scan drew anything within kSearch_m.
 std::optional<std::size_t> WitnessNear(const Vector2d& place, const SiteRaster& grid) {
   const auto centre = grid.CellOf(place);
   const auto reach = static_cast<std::int64_t>(std::ceil(kSearch_m / grid.cell_size_m));
   std::optional<std::size_t> witness;
-  double least = kSearch_m;
+  double least = kSearch_m + kWall_m;
   for (std::int64_t row = centre.y() - reach; row <= centre.y() + reach; ++row) {
     for (std::int64_t column = centre.x() - reach; column <= centre.x() + reach; ++column) {
       if (!grid.Contains(column, row)) continue;
       const int c = static_cast<int>(column);
       const int r = static_cast<int>(row);
       const float scan = grid.drawn_by[grid.Index(c, r)];
-      const double distance = column == centre.x() && row == centre.y() ? 0.0 : (grid.CentreOf(c, r) - place).norm();
-      if (std::isnan(scan) || distance >= least) continue;
-      least = distance;
+      const bool same = column == centre.x() && row == centre.y();
+      const double distance = same ? 0.0 : (grid.CentreOf(c, r) - place).norm();
+      const double cost = distance + (grid.At(c, r) > 0.0F ? 0.0 : kWall_m);
+      if (std::isnan(scan) || distance > kSearch_m || cost >= least) continue;
+      least = cost;
       witness = static_cast<std::size_t>(scan);
     }
   }

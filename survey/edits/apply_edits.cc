@@ -20,7 +20,8 @@ constexpr double kStaleShare = 0.5;
 bool Concerns(const MapEdit& edit, const std::string& block) {
   if (edit.kind == EditKind::kMaskReturns) return edit.beams.contains(block);
   if (edit.kind == EditKind::kAdjust) return edit.anchors.contains(block);
-  return edit.frame == EditFrame::kSite || edit.anchors.contains(block) || !edit.basis.contains(block);
+  const bool drawn_elsewhere = !edit.anchors.empty() && edit.basis.contains(block) && !edit.anchors.contains(block);
+  return edit.frame == EditFrame::kSite || !drawn_elsewhere;
 }
 
 int RankOf(const MapEdit& edit) {

@@ -10,8 +10,8 @@
 
 namespace survey {
 
-// Cells with the log-odds of an edited cell: occupied in forbidden areas, free elsewhere. Strip by strip, on the cells of
-// `frame`.
+// Cells with the log-odds of an edited cell: occupied in forbidden areas, free elsewhere. Strip by strip, on the cells
+// of `frame`.
 RasterStrips KeepoutStrips(const SiteRaster& frame, std::vector<MapEdit> forbidden);
 
 }  // namespace survey

@@ -49,8 +49,8 @@ std::size_t DropBeams(std::span<const MaskedBeams> beams, Session* session) {
     const auto scan = std::lower_bound(session->scans.begin(), session->scans.end(), run.stamp_ns,
                                        [](const Scan& each, StampNs stamp_ns) { return each.stamp_ns < stamp_ns; });
     if (scan == session->scans.end() || scan->stamp_ns != run.stamp_ns) continue;
-    const int end = std::min(run.last + 1, static_cast<int>(scan->ranges_m.size()));
-    for (int beam = run.first; beam < end; ++beam) {
+    const int last = std::min(run.last, static_cast<int>(scan->ranges_m.size()) - 1);
+    for (int beam = std::max(0, run.first); beam <= last; ++beam) {
       float& range_m = scan->ranges_m[static_cast<std::size_t>(beam)];
       if (HasReturn(range_m)) ++dropped;
       range_m = kInvalidRange;

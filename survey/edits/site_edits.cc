@@ -26,6 +26,14 @@ std::vector<SiteEdit> SiteEdits(std::span<const BlockEdits> blocks) {
   return edits;
 }
 
+std::vector<MapEdit> ForbiddenAreas(std::span<const BlockEdits> blocks) {
+  std::vector<MapEdit> areas;
+  for (const SiteEdit& edit : SiteEdits(blocks)) {
+    if (edit.applied.edit.kind == EditKind::kForbidden) areas.push_back(edit.applied.edit);
+  }
+  return areas;
+}
+
 EditSummary SummarizeEdits(std::span<const BlockEdits> blocks) {
   EditSummary summary;
   for (const SiteEdit& site_edit : SiteEdits(blocks)) {

@@ -20,6 +20,9 @@ struct SiteEdit {
 // Each edit once, in order of uids, where the block puts it in which most of its vertices hang on scans.
 std::vector<SiteEdit> SiteEdits(std::span<const BlockEdits> blocks);
 
+// Of these the areas that robots keep out of.
+std::vector<MapEdit> ForbiddenAreas(std::span<const BlockEdits> blocks);
+
 EditSummary SummarizeEdits(std::span<const BlockEdits> blocks);
 
 }  // namespace survey

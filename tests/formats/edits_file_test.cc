@@ -77,7 +77,8 @@ TEST(ReadEdits, EveryMistakeIsNamedWithFileAndFeature) {
       {Collection(Feature(R"({"kind": "area_free", "width_m": 1})", kSquare)), "width_m is for lines"},
       {Collection(Feature(R"({"kind": "area_free", "state": "free"})", kSquare)), "state is for cells"},
       {Collection(Feature(R"({"kind": "cells"})", kSquare)), "state is missing"},
-      {Collection(Feature(line, "null")), "line_free needs a LineString"},
+      {Collection(Feature(line, "null")), "geometry is missing"},
+      {Collection(Feature(line, "[]")), "geometry []: line_free needs a LineString"},
       {Collection(Feature(line, kSquare)), "geometry Polygon: line_free needs a LineString"},
       {Collection(Feature(R"({"kind": "forbidden"})", kLine)), "geometry LineString: forbidden needs a Polygon"},
       {Collection(
@@ -99,6 +100,37 @@ TEST(ReadEdits, EveryMistakeIsNamedWithFileAndFeature) {
       EXPECT_NE(std::string(error.what()).find(one.expected), std::string::npos) << error.what();
     }
   }
+}
+
+// Whatever stands in the members: an edit or a complaint, never anything else.
+TEST(ReadEdits, SurvivesAnyMember) {
+  const ScratchFolder scratch;
+  const char* const values[] = {"null",
+                                "-1",
+                                "1e999",
+                                "\"\"",
+                                "\"glass\"",
+                                "[]",
+                                "[[]]",
+                                "{}",
+                                "{\"A\": 3}",
+                                "true",
+                                "{\"A\": [[5, 1, 99999999999]]}",
+                                "[1, 2]",
+                                "18446744073709551615"};
+  int accepted = 0;
+  for (const char* member : {"uid", "kind", "class", "state", "width_m", "frame", "sigma_m", "who", "when", "why",
+                             "tool", "supersedes", "basis", "anchors", "beams", "rev", "geometry"}) {
+    for (const char* value : values) {
+      const std::string properties = R"({"kind": "line_free", ")" + std::string(member) + "\": " + value + "}";
+      WriteFileAtomically(scratch / "cars.geojson", Collection(Feature(properties, kLine)));
+      try {
+        accepted += static_cast<int>(ReadEdits(scratch / "cars.geojson", "").size());
+      } catch (const DataError&) {
+      }
+    }
+  }
+  EXPECT_GT(accepted, 30);
 }
 
 }  // namespace

@@ -150,11 +150,34 @@ TEST_F(RerunTest, EditAddedAndRetired) {
   const std::string site = site_.path();
   edits({"add", site, "--from", site + "/drawn.geojson", "--who", "M. Huber"});
   EXPECT_NE(edits({"list", site}).find("cupboard"), std::string::npos);
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "robots", "stitch"}));
   edits({"retire", site, "--uid", "cupboard", "--who", "M. Huber", "--why", "still there"});
   EXPECT_EQ(edits({"list", site}).find("cupboard"), std::string::npos);
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "stitch"}));
-  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "robots", "stitch"}));
+  for (const char* map : {"work/A/map.tif", "work/B/map.tif", "out/site.tif", "out/ros/map.pgm"})
+    EXPECT_EQ(site_.Results().at(map), before.at(map)) << map;
+}
+
+// Only the mask of robots knows a forbidden area; only a mask of returns reaches back to the field data.
+TEST_F(RerunTest, EditsReachWhatTheyConcern) {
+  const std::string site = site_.path();
+  const auto draw = [&](const std::string& kind, const std::string& corners) {
+    formats::WriteFileAtomically(
+        site_ / "drawn.geojson",
+        R"({"type": "FeatureCollection", "features": [{"type": "Feature", "properties": {"kind": ")" + kind +
+            R"("}, "geometry": {"type": "Polygon", "coordinates": [[)" + corners + "]]}}]}");
+    const test_support::CommandResult result = test_support::RunCommand(
+        {"plumbline", "edits", "add", site, "--from", site + "/drawn.geojson", "--who", "M. Huber"});
+    EXPECT_EQ(result.status, 0) << result.err;
+  };
+  const std::string square = "[500103,5600203],[500104,5600203],[500104,5600204],[500103,5600204],[500103,5600203]";
+  draw("area_free", square);
+  site_.StagesOfRun();
+  const auto before = site_.Results();
+  draw("forbidden", square);
+  EXPECT_EQ(site_.StagesOfRun(), (Stages{"A edit", "B edit", "certify", "report", "robots"}));
+  EXPECT_NE(site_.Results().at("out/ros/keepout.pgm"), before.at("out/ros/keepout.pgm"));
+  EXPECT_EQ(site_.Results().at("out/site.tif"), before.at("out/site.tif"));
 }
 
 // An answer re-runs its block from the adjustment on and is counted; without it all is as before.

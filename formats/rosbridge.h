@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// Maps as messages of the rosbridge protocol (version 2), a JSON object a line: what an AR client of [AS] reads, and
+// sends back when a person has edited the map. Occupancy grids: row 0 in the south; -1 unknown, 0 free, 100 occupied by
+// the thresholds of map.yaml.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "survey/edits/map_edit.h"
+#include "survey/grid/raster_strips.h"
+
+namespace formats {
+
+enum class RosVersion { kRos1, kRos2 };
+
+struct RosTopic {
+  std::string name;  // "/map"
+  survey::RasterStrips grid;
+};
+
+// An advertise and a publish for each topic. Stamps are zero; the origin is in site coordinates.
+void WriteRosbridge(const std::filesystem::path& file, const std::vector<RosTopic>& topics, RosVersion version);
+
+struct RosGrid {
+  survey::SiteRaster frame;        // without cells
+  std::vector<std::int8_t> cells;  // row by row from the south
+};
+
+// The last grid that was published on a topic. DataError names file and line: no JSON, a grid that is not whole, none.
+RosGrid ReadRosbridgeGrid(const std::filesystem::path& file, const std::string& topic);
+
+// What a person changed in the grid that was exported: edits of kCells, one for each state that cells were set to.
+// DataError when it is not a grid of the same place, size and cells.
+std::vector<survey::MapEdit> CellEdits(const RosGrid& edited, const survey::RasterStrips& exported,
+                                       const std::string& where);
+
+}  // namespace formats

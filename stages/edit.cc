@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-edit: a block's map out of its grid and the map edits that people drew.
+#include <algorithm>
+
 #include "formats/block_edits_file.h"
 #include "formats/digest.h"
 #include "formats/edit_ledger.h"
@@ -22,12 +24,12 @@ std::string TitleOf(const survey::MapEdit& edit) { return std::string(Name(edit.
 
 // Of the edits of the site those that reach the block's map.
 std::vector<AppliedEdit> ReadEdits(const fs::path& ledger, const std::string& block, const fs::path& solution_file,
-                                   const survey::SiteRaster& grid) {
+                                   const survey::SiteRaster& grid, bool tied) {
   std::vector<AppliedEdit> edits =
       survey::EditsOfBlock(block, formats::ReadLedger(ledger).Active(), pipeline::ReadBlockPoses(solution_file));
   for (const AppliedEdit& applied : edits) {
     const double distance_m = survey::DistanceToRaster(applied.edit, grid);
-    if (distance_m > kTooFar_m)
+    if (tied && distance_m > kTooFar_m)
       throw formats::DataError(ledger.string() + ": " + TitleOf(applied.edit) + " lies " +
                                std::to_string(static_cast<std::int64_t>(distance_m / 1000)) +
                                " km outside the map; edits must be in site coordinates (easting, northing)");
@@ -38,10 +40,26 @@ std::vector<AppliedEdit> ReadEdits(const fs::path& ledger, const std::string& bl
   return edits;
 }
 
-std::string DigestOf(const std::string& block, const std::vector<AppliedEdit>& edits) {
-  std::vector<survey::MapEdit> plain;
-  for (const AppliedEdit& applied : edits) plain.push_back(applied.edit);
-  return formats::Sha256(formats::CanonicalText(block, plain));
+formats::ProvenanceInput InputOf(const std::string& role, const std::string& block,
+                                 const std::vector<AppliedEdit>& edits, bool (*counts)(const survey::MapEdit&)) {
+  std::vector<survey::MapEdit> counted;
+  for (const AppliedEdit& applied : edits) {
+    if (counts(applied.edit)) counted.push_back(applied.edit);
+  }
+  return {role, counted.empty() ? "" : formats::Sha256(formats::CanonicalText(block, counted))};
+}
+
+bool SetsCells(const survey::MapEdit& edit) { return StateOf(edit).has_value(); }
+bool IsAny(const survey::MapEdit&) { return true; }
+
+// What the map does not show, such as a forbidden area, counts for the report alone: the map's bytes stay.
+formats::Provenance OfReport(formats::Provenance provenance, const formats::ProvenanceInput& all_edits) {
+  if (all_edits.sha256.empty()) return provenance;
+  std::vector<formats::ProvenanceInput>& inputs = provenance.records.front().inputs;
+  const auto place =
+      std::find_if(inputs.begin(), inputs.end(), [&](const auto& input) { return input.role > all_edits.role; });
+  inputs.insert(place, all_edits);
+  return provenance;
 }
 
 void Tell(const survey::BlockEdits& edits, bool allow_conflicts, const fs::path& ledger, pipeline::StageRun& run) {
@@ -86,16 +104,17 @@ int main(int argc, char** argv) {
     pipeline::RequireDescent(grid_file, solution_file);
     std::vector<AppliedEdit> concerned;
     if (!ledger.empty() && block.empty()) throw formats::UsageError("--ledger needs --block, the block's name in it");
-    if (!ledger.empty()) concerned = ReadEdits(ledger, block, solution_file, raster);
-    if (!concerned.empty()) {
-      run.AddInput({"ledger", DigestOf(block, concerned)});
-      if (!label.tied) run.Warn("the block is not tied to control: the edits are taken in its local frame");
-    }
+    if (!ledger.empty()) concerned = ReadEdits(ledger, block, solution_file, raster, label.tied);
+    if (!concerned.empty() && !label.tied)
+      run.Warn("the block is not tied to control: the edits are taken in its local frame");
+    const formats::ProvenanceInput of_map = InputOf("ledger", block, concerned, SetsCells);
+    const formats::ProvenanceInput of_report = InputOf("ledger, all kinds", block, concerned, IsAny);
+    if (!of_map.sha256.empty()) run.AddInput(of_map);
     const survey::BlockEdits edits = survey::ApplyEdits(block, std::move(concerned), limits, &raster);
     Tell(edits, allow_conflicts, ledger, run);
     raster.drawn_by.clear();
     formats::WriteRaster(output, raster, label, run.Provenance());
-    formats::WriteBlockEdits(report, edits, run.Provenance());
+    formats::WriteBlockEdits(report, edits, OfReport(run.Provenance(), of_report));
     if (edits.edits.empty()) run.Message("no edits: the map is the grid");
   });
 }

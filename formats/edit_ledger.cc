@@ -109,7 +109,7 @@ LedgerLine ReadLine(const std::string& text, const std::string& head, const std:
   json object;
   try {
     object = json::parse(text);
-  } catch (const json::parse_error&) {
+  } catch (const json::exception&) {
     throw DataError(where + ": is not JSON; the file was cut off or written by hand?");
   }
   if (!object.is_object()) throw DataError(where + ": expected an object");

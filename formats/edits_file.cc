@@ -46,7 +46,7 @@ std::vector<MapEdit> ReadEdits(const std::filesystem::path& file, const std::str
   json document;
   try {
     document = json::parse(ReadWholeFile(file));
-  } catch (const json::parse_error& error) {
+  } catch (const json::exception& error) {
     throw DataError(file.string() + ": is not JSON: " + error.what());
   }
   if (!document.is_object() || document.value("type", json()) != "FeatureCollection" ||

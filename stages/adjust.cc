@@ -32,7 +32,6 @@ std::string Summary(const survey::Solution& solution) {
 }
 
 std::string Described(const survey::SolvedMark& arrow) {
-  if (!arrow.used) return arrow.point + " is left out: " + arrow.left_out;
   char text[80];
   std::snprintf(text, sizeof text, ": the map lies %.3f m from its head", arrow.residual.norm());
   return arrow.point + text;
@@ -100,7 +99,7 @@ int main(int argc, char** argv) {
         survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options, answers);
     if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
     for (const survey::SolvedMark& arrow : survey::TakeArrows(arrows, &adjustment.solution)) {
-      run.Message(Described(arrow));
+      if (arrow.used) run.Message(Described(arrow));  // findings tell of the others
     }
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
     if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());

@@ -101,7 +101,8 @@ TEST_F(EditsTest, ArrowsAreObservationsThatNeverOutweighControl) {
   EXPECT_NE(log.find("arrow near: the map lies 0.0"), std::string::npos) << log;
   ASSERT_EQ(Draw({{"uid", "far"}, {"kind", "adjust"}}, arrow(2.0), "MultiLineString").status, 0);
   EXPECT_EQ(site_.Run().status, 0);
-  EXPECT_NE(formats::ReadWholeFile(site_ / "logs/A-adjust.log").find("arrow far is left out"), std::string::npos);
+  EXPECT_NE(formats::ReadWholeFile(site_ / "logs/A-adjust.log").find("mark on arrow far was left out"),
+            std::string::npos);
   const json certificate = json::parse(formats::ReadWholeFile(site_ / "out/certificate.json"));
   EXPECT_EQ(certificate["fit"].dump().find("arrow"), std::string::npos) << "they are no control";
   const CommandResult sure =

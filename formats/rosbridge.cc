@@ -110,6 +110,30 @@ RosGrid GridOf(const json& message, const std::string& where) {
   }
 }
 
+// Seconds and nanoseconds as ROS 1 or ROS 2 names them.
+survey::StampNs StampOf(const json& stamp) {
+  const bool ros1 = stamp.contains("secs");
+  constexpr survey::StampNs kSecond = 1000000000;
+  return stamp.at(ros1 ? "secs" : "sec").get<survey::StampNs>() * kSecond +
+         stamp.at(ros1 ? "nsecs" : "nanosec").get<survey::StampNs>();
+}
+
+RosPose PoseOf(const json& message, const std::string& where) {
+  try {
+    const json& pose = message.at("pose").at("pose");
+    const json& covariance = message.at("pose").at("covariance");
+    const auto sigma = [&](std::size_t axis) { return std::sqrt(covariance.at(7 * axis).get<double>()); };
+    const double z = pose.at("orientation").at("z").get<double>();
+    const double w = pose.at("orientation").at("w").get<double>();
+    return {StampOf(message.at("header").at("stamp")),
+            {pose.at("position").at("x").get<double>(), pose.at("position").at("y").get<double>(),
+             survey::NormalizeAngle(2.0 * std::atan2(z, w))},
+            {sigma(0), sigma(1), sigma(5)}};
+  } catch (const json::exception& error) {
+    throw DataError(where + ": is not a PoseWithCovarianceStamped: " + error.what());
+  }
+}
+
 // Rectangles of changed cells: runs of a row, joined with the same run of the row before.
 class Rectangles {
  public:
@@ -181,19 +205,22 @@ void WriteRosbridge(const std::filesystem::path& file, const std::vector<RosTopi
   output.Commit();
 }
 
-RosGrid ReadRosbridgeGrid(const std::filesystem::path& file, const std::string& topic) {
+RosbridgeReply ReadRosbridge(const std::filesystem::path& file) {
   LineReader lines(file);
-  std::optional<RosGrid> grid;
+  RosbridgeReply reply;
   for (std::string_view text; lines.Next(&text);) {
     if (text.empty()) continue;
     const std::string where = file.string() + ":" + std::to_string(lines.line_number());
     const json message = json::parse(text, nullptr, false);
     if (!message.is_object()) throw DataError(where + ": is not a message of rosbridge (JSON object)");
-    if (message.value("op", json()) != "publish" || message.value("topic", json()) != topic) continue;
-    grid = GridOf(message.value("msg", json()), where);
+    if (message.value("op", json()) != "publish") continue;
+    const json topic = message.value("topic", json());
+    if (topic == "/map") reply.map = GridOf(message.value("msg", json()), where);
+    if (topic == "/initialpose") reply.poses.push_back(PoseOf(message.value("msg", json()), where));
   }
-  if (!grid) throw DataError(file.string() + ": nothing was published on " + topic);
-  return *std::move(grid);
+  if (!reply.map && reply.poses.empty())
+    throw DataError(file.string() + ": nothing was published on /map or /initialpose");
+  return reply;
 }
 
 std::vector<survey::MapEdit> CellEdits(const RosGrid& edited, const survey::RasterStrips& exported,

@@ -7,13 +7,11 @@
 #include "formats/artefacts.h"
 #include "formats/block_edits_file.h"
 #include "formats/errors.h"
-#include "formats/rosbridge.h"
 #include "pipeline/descent.h"
 #include "pipeline/site_layout.h"
 #include "survey/edits/apply_edits.h"
 #include "survey/edits/masked_beams.h"
 #include "survey/edits/site_edits.h"
-#include "survey/grid/mosaic.h"
 
 namespace pipeline {
 namespace {
@@ -132,20 +130,6 @@ std::vector<survey::BlockEdits> ReadBlockEdits(const std::vector<NamedFile>& fil
   std::vector<survey::BlockEdits> blocks;
   for (const NamedFile& file : files) blocks.push_back(formats::ReadBlockEdits(file.file));
   return blocks;
-}
-
-std::vector<MapEdit> EditsFromRosbridge(const fs::path& site, const fs::path& file) {
-  std::vector<survey::RasterStrips> tied;
-  std::vector<survey::RasterStrips> local;
-  for (const std::string& block : MappedBlocks(site)) {
-    formats::RasterLabel label;
-    survey::RasterStrips map = formats::OpenRaster(InBlock(site, block, "map.tif"), &label);
-    (label.tied ? tied : local).push_back(std::move(map));
-  }
-  if (tied.empty() && local.size() == 1) tied = std::move(local);
-  if (tied.empty()) throw DataError(site.string() + ": there is no map yet to be edited; plumbline run first");
-  return formats::CellEdits(formats::ReadRosbridgeGrid(file, "/map"), survey::MosaicOf(std::move(tied), {}),
-                            file.string());
 }
 
 std::vector<MapEdit> PlacedEdits(const fs::path& site) {

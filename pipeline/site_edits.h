@@ -32,9 +32,6 @@ formats::RasterLabel LabelOfSite(const std::filesystem::path& site);
 // edits.json of several blocks.
 std::vector<survey::BlockEdits> ReadBlockEdits(const std::vector<NamedFile>& files);
 
-// What a person made of the map that `plumbline rosbridge` wrote, as edits of cells.
-std::vector<survey::MapEdit> EditsFromRosbridge(const std::filesystem::path& site, const std::filesystem::path& file);
-
 // The edits that hold, in order of their uids, where the current maps put them.
 std::vector<survey::MapEdit> PlacedEdits(const std::filesystem::path& site);
 

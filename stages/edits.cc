@@ -8,6 +8,7 @@
 #include "formats/edit_package.h"
 #include "formats/edits_file.h"
 #include "formats/text_table.h"
+#include "pipeline/ros_replies.h"
 #include "pipeline/site_edits.h"
 #include "pipeline/stage.h"
 
@@ -53,19 +54,28 @@ void Record(const Request& request, std::vector<LedgerLine> lines, pipeline::Sta
               pipeline::LedgerFile(request.site).string());
 }
 
-std::vector<MapEdit> ReadDrawn(const Request& request) {
-  if (request.from.extension() == ".jsonl") return pipeline::EditsFromRosbridge(request.site, request.from);
-  return formats::ReadEdits(request.from, pipeline::LabelOfSite(request.site).frame.crs);
+// The edits of a file; poses of the robot that are in it become answers.
+std::vector<MapEdit> TakeDrawn(const Request& request, pipeline::StageRun& run) {
+  if (request.from.extension() != ".jsonl")
+    return formats::ReadEdits(request.from, pipeline::LabelOfSite(request.site).frame.crs);
+  const std::string where = request.from.string();
+  const formats::RosbridgeReply reply = formats::ReadRosbridge(request.from);
+  std::vector<MapEdit> edits;
+  if (reply.map) edits = pipeline::EditsOfRosGrid(request.site, *reply.map, where);
+  pipeline::RecordPoses(request.site, reply.poses, request.who, where);
+  if (!reply.poses.empty()) run.Message(std::to_string(reply.poses.size()) + " poses written as answers");
+  for (MapEdit& edit : edits) edit.tool = "rosbridge";
+  return edits;
 }
 
 void Add(const Request& request, pipeline::StageRun& run) {
   if (request.from.empty()) throw UsageError("--from is required: the file with the drawn edits");
   std::vector<LedgerLine> lines;
-  for (MapEdit& edit : ReadDrawn(request)) {
+  for (MapEdit& edit : TakeDrawn(request, run)) {
     FillIn(request, &edit);
     lines.push_back({LedgerOperation::kAdd, std::move(edit)});
   }
-  Record(request, std::move(lines), run);
+  if (!lines.empty()) Record(request, std::move(lines), run);
 }
 
 void Retire(const Request& request, pipeline::StageRun& run) {
@@ -89,6 +99,7 @@ void Accept(const Request& request, pipeline::StageRun& run) {
   std::vector<LedgerLine> lines = formats::ReadEditPackage(request.from);
   for (LedgerLine& line : lines) {
     if (line.operation != LedgerOperation::kAdd && !request.who.empty()) line.edit.who = request.who;
+    line.edit.tool = "QGIS";
     FillIn(request, &line.edit);
   }
   if (lines.empty()) {

@@ -42,7 +42,7 @@ class RosbridgeTest : public testing::Test {
   std::string Refusal(const std::string& text) {
     WriteFileAtomically(file_, text);
     try {
-      CellEdits(ReadRosbridgeGrid(file_, "/map"), survey::StripsOf(room_), "back.jsonl");
+      CellEdits(ReadRosbridge(file_).map.value(), survey::StripsOf(room_), "back.jsonl");
       return "";
     } catch (const DataError& error) {
       return error.what();
@@ -81,7 +81,7 @@ TEST_F(RosbridgeTest, WhatAPersonChangedComesBackAsCells) {
   message["msg"]["data"][5 * 30 + 7] = 0;  // a hole in the wall
   message["msg"]["data"][6 * 30 + 7] = 3;  // as free as it was
   WriteFileAtomically(file_, Export().dump() + "\n" + message.dump() + "\n");
-  const auto edits = CellEdits(ReadRosbridgeGrid(file_, "/map"), survey::StripsOf(room_), "back.jsonl");
+  const auto edits = CellEdits(ReadRosbridge(file_).map.value(), survey::StripsOf(room_), "back.jsonl");
   ASSERT_EQ(edits.size(), 2U);
   EXPECT_EQ(edits[0].cells_state, CellState::kOccupied);
   EXPECT_EQ(edits[0].parts.size(), 1U) << "one rectangle";
@@ -102,9 +102,29 @@ TEST_F(RosbridgeTest, AnotherMapOrABrokenMessageIsRefused) {
   other["topic"] = "/costmap";
   EXPECT_NE(Refusal(moved.dump()).find("its grid is not that of the site's map"), std::string::npos);
   EXPECT_NE(Refusal(cut.dump()).find("back.jsonl:1: data has 599 values for 30 x 20 cells"), std::string::npos);
-  EXPECT_NE(Refusal(other.dump()).find("nothing was published on /map"), std::string::npos);
+  EXPECT_NE(Refusal(other.dump()).find("nothing was published on /map or /initialpose"), std::string::npos);
   EXPECT_NE(Refusal("{\"op\":").find("back.jsonl:1: is not a message"), std::string::npos);
   EXPECT_NE(Refusal(R"({"op":"publish","topic":"/map","msg":{}})").find("is not an OccupancyGrid"), std::string::npos);
+}
+
+TEST_F(RosbridgeTest, APoseThatAPersonSetHasStampHeadingAndSigmas) {
+  json pose = {{"op", "publish"}, {"topic", "/initialpose"}};
+  pose["msg"]["header"]["stamp"] = {{"sec", 1007}, {"nanosec", 204000000}};
+  pose["msg"]["pose"]["pose"]["position"] = {{"x", 500102.5}, {"y", 5600203.25}, {"z", 0}};
+  pose["msg"]["pose"]["pose"]["orientation"] = {{"x", 0}, {"y", 0}, {"z", std::sqrt(0.5)}, {"w", std::sqrt(0.5)}};
+  std::vector<double> covariance(36, 0.0);
+  covariance[0] = covariance[7] = 0.01;
+  covariance[35] = 0.0064;
+  pose["msg"]["pose"]["covariance"] = covariance;
+  WriteFileAtomically(file_, pose.dump() + "\n");
+  const RosbridgeReply reply = ReadRosbridge(file_);
+  EXPECT_FALSE(reply.map);
+  ASSERT_EQ(reply.poses.size(), 1U);
+  EXPECT_EQ(reply.poses[0].stamp_ns, 1007204000000);
+  EXPECT_NEAR(reply.poses[0].site_from_robot.theta, std::acos(0.0), 1e-12);
+  EXPECT_NEAR((reply.poses[0].sigma - Eigen::Vector3d(0.1, 0.1, 0.08)).norm(), 0.0, 1e-12);
+  pose["msg"]["pose"].erase("covariance");
+  EXPECT_NE(Refusal(pose.dump()).find("is not a PoseWithCovarianceStamped"), std::string::npos);
 }
 
 }  // namespace

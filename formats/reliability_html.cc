@@ -78,8 +78,9 @@ std::string ReliabilitySection(const std::vector<BlockReliability>& blocks) {
          "MDB: smallest error that this test finds with a power of 80 %. Map shift: the largest shift of any pose by "
          "an "
          "error of that size. LOO: place of the mark by all others minus given coordinates, cross-validated, not "
-         "tested; &sigma; of both axes. Variance components: 1 where the a-priori sigmas are true; scan matches and "
-         "motions are two copies of one track and lie below.</p>\n";
+         "tested; &sigma; of both axes. Variance components, after those of track and loops were applied: 1 where the "
+         "sigmas are true. The track (scan matches and motions, which agree with each other anyway) counts by what "
+         "loops and control bent it by.</p>\n";
 }
 
 }  // namespace formats

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-adjust: the back end. Ties a block to its control points; without control it stays in its local frame.
+#include <cmath>
 #include <cstdio>
 
 #include "formats/answers_file.h"
@@ -51,6 +52,13 @@ std::vector<survey::MapArrow> AddArrows(const std::filesystem::path& file, const
     run.Warn("arrow " + name + ": its scan is gone");
   run.AddInput({"arrows", formats::Sha256(formats::CanonicalText(arrows))});
   return arrows;
+}
+
+std::string Factors(const survey::NetworkFactors& factors) {
+  char text[160];
+  std::snprintf(text, sizeof text, "; sigmas of the track x %.2f, of the loops x %.2f%s", std::sqrt(factors.track),
+                std::sqrt(factors.loops), factors.told ? "" : " (few loops: near to what is usual)");
+  return text;
 }
 
 }  // namespace
@@ -104,6 +112,9 @@ int main(int argc, char** argv) {
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
     if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());
     for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
-    run.Message(Summary(adjustment.solution));
+    formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
+    if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());
+    for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
+    run.Message(Summary(adjustment.solution) + Factors(adjustment.factors));
   });
 }

@@ -9,7 +9,7 @@
 #include "pipeline/stage.h"
 #include "survey/graph/block_graph.h"
 #include "survey/graph/control_tie.h"
-#include "survey/graph/variance_factor.h"
+#include "survey/graph/variance_components.h"
 #include "survey/planning/control_plan.h"
 
 namespace {

@@ -9,8 +9,12 @@
 #include "survey/graph/block_graph.h"
 #include "survey/graph/control_tie.h"
 #include "survey/graph/graph_covariance.h"
+<<<<<<< ours
 #include "survey/graph/site_answers.h"
 #include "survey/graph/variance_factor.h"
+=======
+#include "survey/graph/variance_components.h"
+>>>>>>> theirs
 
 namespace survey {
 namespace {
@@ -153,24 +157,25 @@ class Writer {
 
 BlockAdjustment Failed(std::string message) { return {.usable = false, .message = std::move(message), .solution = {}}; }
 
-// The relative observations by kind, and control.
-std::vector<VarianceComponent> Components(const PoseGraph& graph, const GraphCovariance& covariance,
-                                          const VarianceComponent& control) {
-  std::vector<VarianceComponent> components = {
-      {.kind = "scan match"}, {.kind = "motion"}, {.kind = "loop"}, {.kind = "answer"}};
-  for (const PoseEdge& edge : graph.edges) {
-    VarianceComponent& component = components[static_cast<std::size_t>(edge.kind)];
-    ++component.count;
-    component.redundancy += covariance.RedundancyOf(edge);
-    component.factor += SquaredNormalisedResidual(edge, graph.poses);
-  }
-  std::erase_if(components, [](const VarianceComponent& component) { return component.count == 0; });
-  for (VarianceComponent& component : components)
-    component.factor = component.redundancy > 0.0 ? component.factor / component.redundancy : 0.0;
+// The relative observations by kind, and control. The track counts by what others bent it by.
+std::vector<VarianceComponent> Components(const PoseGraph& graph, const KindEvidence& alone,
+                                          const GraphCovariance& covariance, const VarianceComponent& control) {
+  std::vector<VarianceComponent> components;
+  const auto add = [&](const char* kind, std::initializer_list<EdgeKind> kinds, const KindEvidence& evidence) {
+    const auto count = std::count_if(graph.edges.begin(), graph.edges.end(), [&](const PoseEdge& edge) {
+      return std::find(kinds.begin(), kinds.end(), edge.kind) != kinds.end();
+    });
+    if (count > 0) components.push_back({kind, static_cast<int>(count), evidence.redundancy, evidence.Factor()});
+  };
+  const auto track = {EdgeKind::kScanMatch, EdgeKind::kMotion};
+  add("track", track, Beyond(EvidenceOf(graph, covariance, track), alone));
+  add("loop", {EdgeKind::kLoop}, EvidenceOf(graph, covariance, {EdgeKind::kLoop}));
+  add("answer", {EdgeKind::kAnswer}, EvidenceOf(graph, covariance, {EdgeKind::kAnswer}));
   if (control.count > 0) components.push_back(control);
   return components;
 }
 
+<<<<<<< ours
 // Answers in the site frame need a block that control holds by two points.
 void NameUnusedSiteAnswers(const Answers& answers, std::vector<AnswerTest>* tests) {
   for (const Answer& answer : answers) {
@@ -195,6 +200,10 @@ std::string AnswerOutsideMap(const Answers& answers, const std::vector<SolvedSca
 }
 
 AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary& summary) {
+=======
+// Memberships and motions agree with each other whatever their errors: their own conditions test nothing.
+AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary& summary, const KindEvidence& alone) {
+>>>>>>> theirs
   AdjustmentStatistics statistics;
   statistics.num_nodes = static_cast<int>(block.nodes.size());
   statistics.num_submaps = static_cast<int>(block.num_submaps);
@@ -204,12 +213,13 @@ AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary&
   };
   statistics.num_loops = count(EdgeKind::kLoop);
   statistics.num_track_constraints = count(EdgeKind::kScanMatch) + count(EdgeKind::kMotion);
-  statistics.degrees_of_freedom = DegreesOfFreedom(block.graph);
+  statistics.degrees_of_freedom = DegreesOfFreedom(block.graph) - static_cast<int>(std::lround(alone.redundancy));
   statistics.iterations = summary.iterations;
   statistics.initial_cost = summary.initial_cost;
   statistics.final_cost = summary.final_cost;
-  statistics.sigma_zero =
-      statistics.degrees_of_freedom > 0 ? std::sqrt(2.0 * summary.final_cost / statistics.degrees_of_freedom) : 0.0;
+  if (statistics.degrees_of_freedom > 0)
+    statistics.sigma_zero =
+        std::sqrt(std::max(0.0, 2.0 * summary.final_cost - alone.squares) / statistics.degrees_of_freedom);
   return statistics;
 }
 
@@ -245,6 +255,7 @@ class Adjuster {
   bool Free() {
     free_ = SolveFree(options_.tie.solver, &block_.graph);
     summary_ = free_.summary;
+    result_.factors = free_.factors;
     return summary_.usable || Fail("the free adjustment did not converge: " + summary_.message);
   }
 
@@ -253,7 +264,9 @@ class Adjuster {
     const std::string impossible = ProblemWithWalls(answers_, PosesOfAllScans(track_, block_, stamps_));
     if (!impossible.empty()) return Fail(impossible);
     first_answer_ = AddAnswers(track_, answers_, &block_);
-    return answers_.empty() || SolveAgain();
+    if (!answers_.empty() && !SolveAgain()) return false;
+    alone_ = TrackAlone(block_.graph).value_or(KindEvidence{});
+    return true;
   }
 
   bool SolveAgain() {
@@ -261,12 +274,20 @@ class Adjuster {
     return summary_.usable || Fail("the adjustment with answers did not converge: " + summary_.message);
   }
 
+<<<<<<< ours
   bool WithControl() {
     Solution& solution = result_.solution;
     solution.tied = !points_.empty();
     if (!solution.tied) return true;
     if (points_.size() == 1 && !options_.allow_single_point) {
       return Fail("the block's marks.csv stands on one control point only, " + points_.front()->name +
+=======
+  const KindEvidence alone = TrackAlone(block.graph).value_or(KindEvidence{});
+
+  const std::vector<const ControlPoint*> points = MarkedControl(control, block);
+  if (points.size() == 1 && !options.allow_single_point) {
+    return Failed("the block's marks.csv stands on one control point only, " + points.front()->name +
+>>>>>>> theirs
                   ": it fixes the place but not the direction; mark a second one, or set allow-single-point = true "
                   "under [adjust] in block.toml");
     }
@@ -279,15 +300,16 @@ class Adjuster {
     solution.findings = tie_.findings;
     return true;
   }
+<<<<<<< ours
 
   void Tie() {
     if (points_.size() == 1) {
       tie_ = ShiftOntoPoint(*points_.front(), &block_);
       return;
     }
-    const double free_sigma_zero = Statistics(block_, summary_).sigma_zero;
+    const double free_sigma_zero = Statistics(block_, summary_, alone_).sigma_zero;
     FreezeRobustWeights(&block_.graph);
-    tie_ = TieToControl(control_, options_.tie, free_.factor, MotionOfTrack(track_, stamps_), &block_);
+    tie_ = TieToControl(control_, options_.tie, free_.factors, MotionOfTrack(track_, stamps_), &block_);
     tie_.verdict.free_sigma_zero = free_sigma_zero;
     summary_ = tie_.summary;
   }
@@ -325,10 +347,10 @@ class Adjuster {
     writer.Poses(stamps_);
     if (const auto covariance = GraphCovariance::Of(block_.graph)) {
       writer.Covariances(*covariance, options_.covariance_spacing_m);
-      solution.components = Components(block_.graph, *covariance, tie_.of_control);
+      solution.components = Components(block_.graph, alone_, *covariance, tie_.of_control);
     }
     writer.Marks(tie_.marks);
-    solution.statistics = Statistics(block_, summary_);
+    solution.statistics = Statistics(block_, summary_, alone_);
     solution.statistics.num_control_marks = static_cast<int>(
         std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
     ReportAnswers();
@@ -354,6 +376,7 @@ class Adjuster {
   FreeSolution free_;
   PoseGraphSummary summary_;
   std::size_t first_answer_ = 0;
+  KindEvidence alone_;  // of the track, before others bent it
   ControlTie tie_;
   std::string message_;
   BlockAdjustment result_;
@@ -366,6 +389,45 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
                             const Answers& answers) {
   if (track.submaps.empty()) return Failed("the track has no submap");
   return Adjuster(track, loops, control, stamps, options, answers).Run();
+=======
+  BlockAdjustment result{.factors = free.factors};
+  Solution& solution = result.solution;
+  solution.tied = !points.empty();
+  solution.navigation = track.navigation;
+  solution.breaks = BreaksOf(track);
+  ControlTie tie;
+  if (solution.tied) {
+    solution.frame = control.frame;
+    if (points.size() == 1) {
+      tie = ShiftOntoPoint(*points.front(), &block);
+    } else {
+      const double free_sigma_zero = Statistics(block, summary, alone).sigma_zero;
+      FreezeRobustWeights(&block.graph);
+      tie = TieToControl(control, options.tie, free.factors, MotionOfTrack(track, stamps), &block);
+      tie.verdict.free_sigma_zero = free_sigma_zero;
+      summary = tie.summary;
+    }
+    if (!tie.usable) return Failed(tie.message);
+    solution.site_from_local = tie.site_from_local;
+    solution.rigid_scale = 1.0 + tie.verdict.scale_deviation;
+    solution.control = tie.verdict;
+    solution.findings = tie.findings;
+  }
+
+  Writer writer(track, block, tie.offset, &solution);
+  writer.Poses(stamps);
+  if (const auto covariance = GraphCovariance::Of(block.graph)) {
+    writer.Covariances(*covariance, options.covariance_spacing_m);
+    solution.components = Components(block.graph, alone, *covariance, tie.of_control);
+  }
+  writer.Marks(tie.marks);
+  solution.statistics = Statistics(block, summary, alone);
+  solution.statistics.num_control_marks = static_cast<int>(
+      std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
+  result.answers = TestAnswers(answers, block, first_answer);
+  result.usable = true;
+  return result;
+>>>>>>> theirs
 }
 
 }  // namespace survey

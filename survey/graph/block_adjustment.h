@@ -26,7 +26,8 @@ struct BlockAdjustmentOptions {
 
 struct BlockAdjustment {
   bool usable = false;
-  std::string message;  // why not
+  std::string message;     // why not
+  NetworkFactors factors;  // applied to the covariances of track and loops
   Solution solution;
   ControlledGraph graph;
   std::vector<AnswerTest> answers;  // those in the site frame, then the others that observe something

@@ -260,18 +260,9 @@ class Tie {
 
 }  // namespace
 
-ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options, const VarianceFactor& of_loops,
-                        const MotionInScan& motion, BlockGraph* block) {
-  return Tie(control, options, motion, block).Run(of_loops.told);
-}
-
-void FreezeRobustWeights(PoseGraph* graph) {
-  const double critical = CriticalT(0.001, 3);
-  for (PoseEdge& edge : graph->edges) {
-    if (!edge.robust) continue;
-    edge.covariance *= std::max(1.0, SquaredNormalisedResidual(edge, graph->poses) / critical);
-    edge.robust = false;
-  }
+ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options,
+                        const NetworkFactors& of_network, const MotionInScan& motion, BlockGraph* block) {
+  return Tie(control, options, motion, block).Run(of_network.told);
 }
 
 }  // namespace survey

@@ -14,7 +14,7 @@
 #include "survey/graph/block_graph.h"
 #include "survey/graph/pose_graph.h"
 #include "survey/graph/solution.h"
-#include "survey/graph/variance_factor.h"
+#include "survey/graph/variance_components.h"
 #include "survey/stats/reliability.h"
 
 namespace survey {
@@ -50,13 +50,9 @@ struct ControlTie {
 using MotionInScan = std::function<std::optional<Eigen::Vector2d>(std::size_t mark, double seconds)>;
 
 // `block`: the free solution in the local frame, its loops at their final weights; afterwards the constrained solution.
-// The marks lie on two control points or more. `of_loops` is the factor that the free solution applied: where too few
+// The marks lie on two control points or more. `of_network`: the factors that the free solution applied; where too few
 // loops told, control may widen the network's covariances.
-ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options, const VarianceFactor& of_loops,
-                        const MotionInScan& motion, BlockGraph* block);
-
-// Freezes the robust loss: a robust edge whose squared residual is beyond the critical value (0.001) gets the
-// covariance under which it would just reach it, and counts as any other from then on.
-void FreezeRobustWeights(PoseGraph* graph);
+ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options,
+                        const NetworkFactors& of_network, const MotionInScan& motion, BlockGraph* block);
 
 }  // namespace survey

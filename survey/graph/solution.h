@@ -75,9 +75,9 @@ struct ControlVerdict {
 };
 
 // Variance component of a kind of observations [Foerstner79]: squared, weighted residuals by redundancy; 1 where the
-// a-priori sigmas are true.
+// sigmas are true. Of the track without what its two copies, memberships and motions, have between themselves.
 struct VarianceComponent {
-  std::string kind;  // "scan match", "motion", "loop", "answer", "control"
+  std::string kind;  // "track", "loop", "answer", "control"
   int count = 0;
   double redundancy = 0.0;
   double factor = 0.0;
@@ -89,11 +89,11 @@ struct AdjustmentStatistics {
   int num_track_constraints = 0;
   int num_loops = 0;
   int num_control_marks = 0;
-  int degrees_of_freedom = 0;
+  int degrees_of_freedom = 0;  // without those between the two copies of the track
   int iterations = 0;
   double initial_cost = 0.0;  // half the sum of the squared, whitened residuals
   double final_cost = 0.0;
-  double sigma_zero = 0.0;  // sqrt(2 final_cost / degrees_of_freedom)
+  double sigma_zero = 0.0;  // without the track's own cost
 };
 
 struct Solution {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "survey/graph/graph_covariance.h"
-#include "survey/graph/variance_factor.h"
+#include "survey/graph/variance_components.h"
 #include "survey/stats/philox.h"
 
 namespace test_support {
@@ -189,7 +189,7 @@ survey::ControlTie AdjustGarageBlock(GarageBlock* garage) {
   const survey::FreeSolution free = survey::SolveFree(options.solver, &garage->block.graph);
   survey::FreezeRobustWeights(&garage->block.graph);
   return survey::TieToControl(
-      garage->control, options, free.factor,
+      garage->control, options, free.factors,
       [](std::size_t, double seconds) { return Eigen::Vector2d(kGarageSpeed_m_s * seconds, 0.0); }, &garage->block);
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "survey/graph/control_tie.h"
-#include "survey/graph/variance_factor.h"
+#include "survey/graph/variance_components.h"
 #include "tests/support/garage_block.h"
 
 namespace survey {

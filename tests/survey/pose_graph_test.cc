@@ -9,7 +9,7 @@
 #include "survey/graph/chordal_start.h"
 #include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
-#include "survey/graph/variance_factor.h"
+#include "survey/graph/variance_components.h"
 #include "survey/stats/philox.h"
 
 namespace survey {
@@ -154,9 +154,12 @@ TEST(GraphCovariance, RedundanciesSumToTheDegreesOfFreedom) {
   EXPECT_EQ(computed->OfPose(0), Eigen::Matrix3d::Zero());
 }
 
-TEST(VarianceFactor, TellsHowFarOffTheCovariancesWere) {
-  constexpr double kPessimism = 100.0;
-  double sum = 0.0;
+// Two walks of 40 steps with loops across, by covariances that are wrong by two different factors.
+TEST(VarianceComponents, TellHowFarOffTheCovariancesWere) {
+  constexpr double kTrackFactor = 9.0;
+  constexpr double kLoopFactor = 4.5;
+  double of_track = 0.0;
+  double of_loops = 0.0;
   for (std::uint32_t seed = 0; seed < 20; ++seed) {
     PoseGraph graph = NoisyWalk(seed, 0.02, 0.005);
     std::vector<Pose2> truth = {{}};
@@ -169,21 +172,47 @@ TEST(VarianceFactor, TellsHowFarOffTheCovariancesWere) {
       const Pose2 error{0.02 * nx, 0.02 * ny, 0.005 * nt};
       graph.edges.push_back(
           {i, 39 - i, Between(truth[static_cast<std::size_t>(i)], truth[static_cast<std::size_t>(39 - i)]) * error,
-           Eigen::Vector3d(4e-4, 4e-4, 2.5e-5).asDiagonal(), true});
+           kLoopFactor * Eigen::Matrix3d(Eigen::Vector3d(4e-4, 4e-4, 2.5e-5).asDiagonal()), true, EdgeKind::kLoop});
     }
-    for (PoseEdge& edge : graph.edges) edge.covariance *= kPessimism;
-    ASSERT_TRUE(Solve(&graph, {}).usable);
-    const VarianceFactor found = VarianceFactorOfLoops(graph, 2.0);
-    EXPECT_GT(found.redundancy, 12.0);
-    sum += found.factor;
+    for (PoseEdge& edge : graph.edges) {
+      if (edge.kind != EdgeKind::kLoop) edge.covariance *= kTrackFactor;
+    }
+    const FreeSolution free = SolveFree({}, &graph);
+    ASSERT_TRUE(free.summary.usable && free.factors.told);
+    of_track += std::log(free.factors.track) / 20;
+    of_loops += std::log(free.factors.loops) / 20;
   }
-  EXPECT_NEAR(sum / 20, 1.0 / kPessimism, 0.15 / kPessimism);
+  EXPECT_NEAR(of_track, -std::log(kTrackFactor), 0.25);
+  EXPECT_NEAR(of_loops, -std::log(kLoopFactor), 0.25);
 }
 
-TEST(VarianceFactor, IsOneWhereTooFewLoopsTell) {
+// A second copy of the track fits the first whatever the errors of both: it must not make them look better.
+TEST(VarianceComponents, CopiesOfTheTrackTellNothing) {
+  PoseGraph graph = NoisyWalk(4, 0.02, 0.005);
+  const std::size_t num_motions = graph.edges.size();
+  for (std::size_t i = 0; i < num_motions; ++i) graph.edges.push_back(graph.edges[i]);
+  const KindEvidence alone = TrackAlone(graph).value();
+  EXPECT_NEAR(alone.redundancy, 3.0 * static_cast<double>(num_motions), 1e-6);
+  EXPECT_NEAR(alone.squares, 0.0, 1e-9);
+  for (const auto& [base, target] : {std::pair{0, 39}, {3, 30}}) {
+    graph.edges.push_back(
+        {base, target,
+         Between(graph.poses[static_cast<std::size_t>(base)], graph.poses[static_cast<std::size_t>(target)]),
+         graph.edges.front().covariance, true, EdgeKind::kLoop});
+  }
+  const auto covariance = GraphCovariance::Of(graph);
+  ASSERT_TRUE(covariance);
+  const KindEvidence track = Beyond(EvidenceOf(graph, *covariance, {EdgeKind::kMotion, EdgeKind::kScanMatch}), alone);
+  EXPECT_NEAR(track.redundancy + EvidenceOf(graph, *covariance, {EdgeKind::kLoop}).redundancy, 6.0, 1e-6);
+}
+
+TEST(VarianceComponents, StayNearToWhatIsUsualWhereFewLoopsTell) {
   PoseGraph graph = NoisyWalk(2, 0.02, 0.005);
-  graph.edges.push_back({5, 25, Between(graph.poses[5], graph.poses[25]), graph.edges.front().covariance, true});
-  EXPECT_EQ(VarianceFactorOfLoops(graph, 2.0).factor, 1.0);
+  graph.edges.push_back(
+      {5, 25, Between(graph.poses[5], graph.poses[25]), graph.edges.front().covariance, true, EdgeKind::kLoop});
+  const FreeSolution free = SolveFree({}, &graph);
+  EXPECT_FALSE(free.factors.told);
+  EXPECT_GT(free.factors.track, 0.01);
 }
 
 TEST(SelectedInverse, EqualsTheDenseInverseWhereTheMatrixIsNotZero) {

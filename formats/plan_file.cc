@@ -59,34 +59,61 @@ std::string Colour(double share) {
   return "rgb(" + level(share) + ",60," + level(1.0 - share) + ")";
 }
 
+// The map's panel: the way fills it.
+class MapPanel {
+ public:
+  explicit MapPanel(const PlanReport& report) : low_(report.path.front().place), high_(low_) {
+    for (const PlanReport::Place& place : report.path) {
+      low_ = low_.cwiseMin(place.place);
+      high_ = high_.cwiseMax(place.place);
+    }
+    scale_ = kPanel / std::max(1.0, size().maxCoeff());
+  }
+  Eigen::Vector2d size() const { return high_ - low_; }
+  double X(const Eigen::Vector2d& p) const { return kLeft + scale_ * (p.x() - low_.x()); }
+  double Y(const Eigen::Vector2d& p) const { return kMargin + kPanel - scale_ * (p.y() - low_.y()); }
+
+  static constexpr double kLeft = 2.0 * kMargin + kPanel;
+
+ private:
+  Eigen::Vector2d low_;
+  Eigen::Vector2d high_;
+  double scale_ = 1.0;
+};
+
+// What of the building lies around the way.
+std::string Walls(const PlanReport& report, const MapPanel& panel) {
+  std::string path;
+  for (const PlanReport::Wall& wall : report.walls)
+    path += "M" + At(panel.X(wall.a), panel.Y(wall.a)) + "L" + At(panel.X(wall.b), panel.Y(wall.b));
+  if (path.empty()) return "";
+  constexpr double kAround = kMargin / 2.0;
+  return "<clipPath id=\"map\"><rect x=\"" + Fixed(MapPanel::kLeft - kAround, 1) + "\" y=\"" +
+         Fixed(kMargin - kAround / 4.0, 1) + "\" width=\"" + Fixed(kPanel + 2.0 * kAround, 1) + "\" height=\"" +
+         Fixed(kPanel + 2.0 * kAround, 1) + "\"/></clipPath>\n<path clip-path=\"url(#map)\" class=\"wall\" d=\"" +
+         path + "\"/>\n";
+}
+
 std::string Map(const PlanReport& report) {
   if (report.path.empty()) return "";
-  Eigen::Vector2d low = report.path.front().place;
-  Eigen::Vector2d high = low;
-  double least = report.path.front().sigma;
-  double worst = least;
-  for (const PlanReport::Place& place : report.path) {
-    least = std::min(least, place.sigma);
-    low = low.cwiseMin(place.place);
-    high = high.cwiseMax(place.place);
-    worst = std::max(worst, place.sigma);
-  }
-  const double scale = kPanel / std::max(1.0, (high - low).maxCoeff());
-  const double left = 2.0 * kMargin + kPanel;
-  const auto x_of = [&](const Eigen::Vector2d& p) { return left + scale * (p.x() - low.x()); };
-  const auto y_of = [&](const Eigen::Vector2d& p) { return kMargin + kPanel - scale * (p.y() - low.y()); };
-  std::string text;
+  const MapPanel panel(report);
+  const auto [least, worst] =
+      std::minmax_element(report.path.begin(), report.path.end(),
+                          [](const PlanReport::Place& a, const PlanReport::Place& b) { return a.sigma < b.sigma; });
+  const double range = worst->sigma - least->sigma;
+  std::string text = Walls(report, panel);
   for (const PlanReport::Place& place : report.path)
-    text += Circle(x_of(place.place), y_of(place.place), 3.0,
-                   "fill=\"" + Colour(worst > least ? (place.sigma - least) / (worst - least) : 0.0) + "\"");
+    text += Circle(panel.X(place.place), panel.Y(place.place), 3.0,
+                   "fill=\"" + Colour(range > 0.0 ? (place.sigma - least->sigma) / range : 0.0) + "\"");
   for (const PlanReport::Point& point : report.points) {
-    text += Circle(x_of(point.place), y_of(point.place), 6.0, point.existing ? "class=\"old\"" : "class=\"new\"");
-    text += Label(x_of(point.place) + 9.0, y_of(point.place) - 7.0, point.name, "start");
+    text += Circle(panel.X(point.place), panel.Y(point.place), 6.0, point.existing ? "class=\"old\"" : "class=\"new\"");
+    text += Label(panel.X(point.place) + 9.0, panel.Y(point.place) - 7.0, point.name, "start");
   }
   return "<g>" + text +
-         Label(left, kMargin - 12.0,
-               "sigma with all points (mm): blue " + Fixed(1000.0 * least, 1) + ", red " + Fixed(1000.0 * worst, 1) +
-                   "; " + Fixed((high - low).x(), 0) + " m x " + Fixed((high - low).y(), 0) + " m",
+         Label(MapPanel::kLeft, kMargin - 12.0,
+               "sigma with all points (mm): blue " + Fixed(1000.0 * least->sigma, 1) + ", red " +
+                   Fixed(1000.0 * worst->sigma, 1) + "; " + Fixed(panel.size().x(), 0) + " m x " +
+                   Fixed(panel.size().y(), 0) + " m",
                "start") +
          "</g>\n";
 }
@@ -125,7 +152,7 @@ void WritePlanPicture(const std::filesystem::path& file, const PlanReport& repor
                 "\" height=\"" + height +
                 "\">\n<style>text{font:12px sans-serif} .axis{fill:none;stroke:#000} .rms{fill:none;stroke:#036;"
                 "stroke-width:2} .max{fill:none;stroke:#a30;stroke-dasharray:4} .new{fill:#fff;stroke:#000;"
-                "stroke-width:2} .old{fill:#888;stroke:#000;stroke-width:2}</style>\n"
+                "stroke-width:2} .wall{fill:none;stroke:#999} .old{fill:#888;stroke:#000;stroke-width:2}</style>\n"
                 "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" +
                 Curve(report) + Map(report) + "</svg>\n");
 }

@@ -7,28 +7,15 @@
 
 #include "formats/field_csv.h"
 #include "formats/scenario_picture.h"
+#include "formats/scenario_route.h"
 #include "formats/scenario_toml.h"
 #include "formats/simulated_site.h"
 #include "pipeline/stage.h"
-#include "survey/simulation/rig.h"
-#include "survey/simulation/route.h"
+#include "survey/simulation/planned_block.h"
 
 namespace {
 
 namespace fs = std::filesystem;
-
-// One route per block; DataError names the block and the waypoint of a route that cannot be driven.
-std::vector<survey::RoutePlan> PlanRoutes(const fs::path& file, const survey::Scenario& scenario,
-                                          const survey::RayCaster& building) {
-  std::vector<survey::RoutePlan> plans;
-  for (const survey::BlockRoute& block : scenario.blocks) {
-    plans.push_back(survey::PlanRoute(scenario, block, building));
-    if (plans.back().trajectory) continue;
-    throw formats::DataError(file.string() + ": block " + block.name + ": waypoint " +
-                             std::to_string(plans.back().problem_waypoint) + " " + plans.back().problem);
-  }
-  return plans;
-}
 
 // Progress over all blocks and threads.
 class Counter {
@@ -50,22 +37,14 @@ void WriteBlock(const fs::path& output, const survey::Scenario& scenario, const 
                 const survey::RayCaster& building, const survey::RoutePlan& plan, Counter* counter) {
   const survey::Trajectory& trajectory = *plan.trajectory;
   const survey::SimulatedLidar lidar(scenario, block, building, trajectory);
-  std::vector<survey::Scan> scans(static_cast<std::size_t>(lidar.num_scans()));
-  tbb::parallel_for(
-      tbb::blocked_range<std::int64_t>(0, lidar.num_scans(), 64), [&](const tbb::blocked_range<std::int64_t>& range) {
-        for (std::int64_t i = range.begin(); i < range.end(); ++i)
-          scans[static_cast<std::size_t>(i)] = {.stamp_ns = lidar.StampOf(i), .ranges_m = lidar.Ranges(i)};
-        counter->Add(range.end() - range.begin());
-      });
+  const std::vector<survey::Scan> scans =
+      survey::SimulateScans(lidar, [&](std::int64_t added) { counter->Add(added); });
 
   const fs::path folder = output / "blocks" / block.name;
   formats::WriteScansCsv(folder / "scans.csv", survey::GeometryOf(scenario.lidar), scans);
   formats::WriteImuCsv(folder / "imu.csv", survey::SimulateImu(scenario, block, trajectory));
   formats::WriteOdometryCsv(folder / "odometry.csv", survey::SimulateOdometry(scenario, block, trajectory));
-  std::vector<survey::Mark> marks;
-  for (const survey::Stop& stop : plan.stops)
-    marks.push_back({stop.point, std::llround(stop.start_s * 1e3) * 1000000, std::llround(stop.end_s * 1e3) * 1000000});
-  formats::WriteMarksCsv(folder / "marks.csv", marks);
+  formats::WriteMarksCsv(folder / "marks.csv", survey::MarksOfRoute(plan));
 
   const Eigen::Vector3d site_from_plan(scenario.origin_in_site.x(), scenario.origin_in_site.y(), scenario.elevation_m);
   std::vector<formats::TimedPose> truth;
@@ -123,7 +102,9 @@ int main(int argc, char** argv) {
     if (seed >= 0) scenario.seed = static_cast<std::uint64_t>(seed);
     const survey::FloorPlan plan = survey::BuildFloorPlan(scenario);
     const survey::RayCaster building(plan);
-    const std::vector<survey::RoutePlan> routes = PlanRoutes(scenario_file, scenario, building);
+    std::vector<survey::RoutePlan> routes;
+    for (const survey::BlockRoute& block : scenario.blocks)
+      routes.push_back(formats::DrivableRoute(scenario_file, scenario, block, building));
 
     std::int64_t total = 0;
     for (std::size_t i = 0; i < routes.size(); ++i)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "survey/control/control_point.h"
+#include "survey/features/feature.h"
 #include "survey/geometry/pose2.h"
 
 namespace survey {
@@ -132,8 +133,6 @@ struct LandmarkPoint {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // truth
   std::string description;
 };
-
-enum class FeatureKind { kCorner, kPillar };
 
 // A corner (where two faces meet) or the centre of a pillar.
 struct FeaturePoint {

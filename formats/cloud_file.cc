@@ -17,7 +17,10 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary clouds are read as they lie in memory");
 
+using Take = std::function<void(const CloudPoint&)>;
+
 constexpr const char* kAxes[] = {"x", "y", "z"};
+constexpr const char* kIntensities[] = {"intensity", "scalar_Intensity", "reflectance"};
 constexpr std::size_t kLargestRecord = 4096;  // bytes
 constexpr std::int64_t kBatch = 16384;        // points read at once
 
@@ -25,7 +28,7 @@ constexpr std::int64_t kBatch = 16384;        // points read at once
 struct Property {
   std::string name;
   std::size_t size = 4;   // bytes
-  bool real = true;       // float or double; else an integer, which is passed over
+  bool real = true;       // float or double; else an integer
   std::size_t count = 1;  // PCD: values of this name
 };
 
@@ -41,7 +44,7 @@ class CloudParser {
     if (!in_) Fail("cannot be read");
   }
 
-  CloudCount Read(const std::function<void(const Eigen::Vector3d&)>& take) {
+  CloudCount Read(const Take& take) {
     const std::string first = Line();
     if (first == "ply") {
       ReadPlyHeader();
@@ -159,9 +162,18 @@ class CloudParser {
     return offset;
   }
 
-  static void Hand(const Eigen::Vector3d& point, const std::function<void(const Eigen::Vector3d&)>& take,
-                   CloudCount* count) {
-    if (!point.allFinite()) {
+  // Null when the cloud has none.
+  const Property* FindIntensity() const {
+    for (const Property& property : layout_.properties) {
+      const bool named =
+          std::find(std::begin(kIntensities), std::end(kIntensities), property.name) != std::end(kIntensities);
+      if (named && property.count == 1 && (property.real ? property.size >= 4 : property.size <= 2)) return &property;
+    }
+    return nullptr;
+  }
+
+  static void Hand(const CloudPoint& point, const Take& take, CloudCount* count) {
+    if (!point.position.allFinite()) {
       ++count->num_invalid;
       return;
     }
@@ -172,28 +184,30 @@ class CloudParser {
   // A value of a record as it lies in memory.
   struct Place {
     std::size_t offset = 0;
-    bool is_double = false;
+    std::size_t size = 4;
+    bool real = true;
 
     double Read(const char* record) const {
-      float single = 0.0F;
-      double value = 0.0;
-      if (is_double) {
-        std::memcpy(&value, record + offset, sizeof value);
-        return value;
-      }
-      std::memcpy(&single, record + offset, sizeof single);
-      return single;
+      if (real) return size == 8 ? As<double>(record) : static_cast<double>(As<float>(record));
+      return size == 1 ? As<std::uint8_t>(record) : As<std::uint16_t>(record);
+    }
+    template <typename T>
+    T As(const char* record) const {
+      T value{};
+      std::memcpy(&value, record + offset, sizeof value);
+      return value;
     }
   };
 
-  CloudCount ReadBinary(const std::function<void(const Eigen::Vector3d&)>& take) {
+  Place PlaceOf(const Property& property) const { return {OffsetOf(property.name), property.size, property.real}; }
+
+  CloudCount ReadBinary(const Take& take) {
     std::size_t record = 0;
     for (const Property& property : layout_.properties) record += property.size * property.count;
     if (record > kLargestRecord) Fail("a point of " + std::to_string(record) + " bytes cannot be read");
-    std::array<Place, 3> places;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      places[axis] = {OffsetOf(kAxes[axis]), FindReal(kAxes[axis]).size == 8};
-    }
+    const std::array<Place, 3> places = {PlaceOf(FindReal("x")), PlaceOf(FindReal("y")), PlaceOf(FindReal("z"))};
+    const Property* intensity = FindIntensity();
+    const Place shade = intensity == nullptr ? Place{} : PlaceOf(*intensity);
     CloudCount count;
     std::vector<char> buffer(record * static_cast<std::size_t>(kBatch));
     for (std::int64_t done = 0; done < layout_.num_points;) {
@@ -203,24 +217,28 @@ class CloudParser {
       if (in_.gcount() != bytes) Fail("was cut off");
       for (std::int64_t i = 0; i < batch; ++i) {
         const char* at = buffer.data() + static_cast<std::size_t>(i) * record;
-        Hand({places[0].Read(at), places[1].Read(at), places[2].Read(at)}, take, &count);
+        CloudPoint point{.position = {places[0].Read(at), places[1].Read(at), places[2].Read(at)}};
+        if (intensity != nullptr) point.intensity = static_cast<float>(shade.Read(at));
+        Hand(point, take, &count);
       }
       done += batch;
     }
     return count;
   }
 
-  CloudCount ReadAscii(const std::function<void(const Eigen::Vector3d&)>& take) {
+  CloudCount ReadAscii(const Take& take) {
     CloudCount count;
+    const Property* intensity = FindIntensity();
     for (std::int64_t i = 0; i < layout_.num_points; ++i) {
       std::istringstream line(Line());
-      Eigen::Vector3d point = Eigen::Vector3d::Constant(std::nan(""));
+      CloudPoint point{.position = Eigen::Vector3d::Constant(std::nan(""))};
       for (const Property& property : layout_.properties) {
         for (std::size_t k = 0; k < property.count; ++k) {
           std::string word;
           if (!(line >> word)) Fail("point " + std::to_string(i + 1) + " has too few values");
           const std::size_t axis = property.name.size() == 1 ? std::string("xyz").find(property.name[0]) : 3;
-          if (axis < 3) point[static_cast<int>(axis)] = std::strtod(word.c_str(), nullptr);
+          if (axis < 3) point.position[static_cast<int>(axis)] = std::strtod(word.c_str(), nullptr);
+          if (&property == intensity) point.intensity = std::strtof(word.c_str(), nullptr);
         }
       }
       Hand(point, take, &count);
@@ -235,8 +253,12 @@ class CloudParser {
 
 }  // namespace
 
-CloudCount ReadCloud(const std::filesystem::path& file, const std::function<void(const Eigen::Vector3d&)>& take) {
+CloudCount ReadCloudPoints(const std::filesystem::path& file, const std::function<void(const CloudPoint&)>& take) {
   return CloudParser(file).Read(take);
+}
+
+CloudCount ReadCloud(const std::filesystem::path& file, const std::function<void(const Eigen::Vector3d&)>& take) {
+  return ReadCloudPoints(file, [&](const CloudPoint& point) { take(point.position); });
 }
 
 }  // namespace formats

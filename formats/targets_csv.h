@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The list of sphere targets: target,northing,easting,elevation,sigma_m,radius_m.
+// The list of targets: target,northing,easting,elevation,sigma_m,radius_m. A radius of 0: the centre of a checkerboard.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,8 @@ namespace formats {
 
 struct TargetList {
   std::vector<survey::KnownTarget> targets;
-  double radius_m = 0.0;  // the same for all
+  double radius_m = 0.0;  // of all spheres; 0 where there are none
+  bool has_boards = false;
 };
 
 // DataError names file, row, field, value and rule.

@@ -112,9 +112,6 @@ int main(int argc, char** argv) {
     formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
     if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());
     for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
-    formats::WriteSolution(output, adjustment.solution, stamps, run.Provenance());
-    if (!graph.empty()) formats::WriteGraph(graph, adjustment.graph, run.Provenance());
-    for (const std::string& finding : adjustment.solution.findings) run.Warn(finding);
     run.Message(Summary(adjustment.solution) + Factors(adjustment.factors));
   });
 }

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// A terrestrial scanner's cloud in the control frame: sphere targets found and matched to their coordinates, the cloud
-// brought over, sliced to a plane reference, and the features of a list read in it.
+// A terrestrial scanner's cloud in the control frame: spheres and checkerboards found and matched to their coordinates,
+// the cloud brought over, sliced to a plane reference, and the features of a list read in it.
 #include <algorithm>
 #include <cstdio>
 
 #include "formats/cloud_file.h"
+#include "formats/cloud_tiles.h"
 #include "formats/features_csv.h"
 #include "formats/reference_file.h"
 #include "formats/targets_csv.h"
 #include "pipeline/stage.h"
+#include "survey/cloud/checkerboard_targets.h"
 #include "survey/cloud/slice.h"
 #include "survey/cloud/sphere_targets.h"
 #include "survey/features/reference_feature.h"
@@ -20,13 +22,30 @@ struct ReferenceFiles {
   std::filesystem::path cloud, targets, features, output;
 };
 
-survey::TargetFit FitCloud(const ReferenceFiles& files, const survey::TargetFitOptions& options) {
-  const formats::TargetList list = formats::ReadTargetsCsv(files.targets);
-  std::vector<Eigen::Vector3f> cloud;
-  formats::ReadCloud(files.cloud, [&](const Eigen::Vector3d& p) { cloud.push_back(p.cast<float>()); });
+// Tile by tile: a cloud may be larger than memory.
+std::vector<Eigen::Vector3d> FindTargets(const ReferenceFiles& files, const formats::TargetList& list,
+                                         double board_size_m) {
   std::vector<Eigen::Vector3d> centres;
-  for (const auto& sphere : survey::FindSpheres(cloud, {.radius_m = list.radius_m})) centres.push_back(sphere.centre);
-  survey::TargetFit fit = survey::FitTargets(centres, list.targets, options);
+  const auto take = [&](const formats::CloudTile& tile, const Eigen::Vector3d& centre) {
+    if (tile.Holds(centre)) centres.emplace_back(tile.origin + centre);
+  };
+  formats::ForEachTile(
+      files.cloud, files.output / ".tiles", {.margin_m = 3.0 * std::max(list.radius_m, board_size_m)},
+      [&](const formats::CloudTile& tile) {
+        if (list.radius_m > 0.0) {
+          for (const auto& sphere : survey::FindSpheres(tile.points, {.radius_m = list.radius_m}))
+            take(tile, sphere.centre);
+        }
+        if (!list.has_boards) return;
+        for (const auto& board : survey::FindBoards(tile.points, tile.intensities, {.size_m = board_size_m}))
+          take(tile, board.centre);
+      });
+  return centres;
+}
+
+survey::TargetFit FitCloud(const ReferenceFiles& files, double board_size_m, const survey::TargetFitOptions& options) {
+  const formats::TargetList list = formats::ReadTargetsCsv(files.targets);
+  survey::TargetFit fit = survey::FitTargets(FindTargets(files, list, board_size_m), list.targets, options);
   if (!fit.usable)
     throw formats::DataError(files.cloud.string() + ": with " + files.targets.string() + ": " + fit.message);
   return fit;
@@ -71,8 +90,9 @@ int main(int argc, char** argv) {
   survey::TargetFitOptions fit_options;
   survey::SliceOptions slice;
   std::optional<double> from_m, to_m;
+  double board_size_m = 0.15;
   stage.Input("cloud", &files.cloud, "cloud of the scanner (PLY, PCD), m");
-  stage.Input("targets", &files.targets, "sphere targets with their coordinates (CSV)",
+  stage.Input("targets", &files.targets, "spheres and checkerboards with their coordinates (CSV)",
               pipeline::Content::kTextWithoutComments);
   stage.OptionalInput("features", &files.features, "features to read, with rough coordinates (CSV)",
                       pipeline::Content::kTextWithoutComments);
@@ -81,6 +101,7 @@ int main(int argc, char** argv) {
   stage.Option("slice-to-m", &to_m, "highest elevation of the slice (m); needed");
   stage.Option("thin-to-m", &slice.cell_m, "one point is left in each square of this size (m)",
                {.min = 0.001, .max = 1});
+  stage.Option("board-size-m", &board_size_m, "edge of the checkerboards (m)", {.min = 0.03, .max = 2});
   stage.Option("target-tolerance-m", &fit_options.tolerance_m, "targets must fit to this (m)",
                {.min = 0.001, .max = 1});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
@@ -89,7 +110,7 @@ int main(int argc, char** argv) {
     }
     slice.from_elevation_m = *from_m;
     slice.to_elevation_m = *to_m;
-    const survey::TargetFit fit = FitCloud(files, fit_options);
+    const survey::TargetFit fit = FitCloud(files, board_size_m, fit_options);
     const std::vector<Eigen::Vector2d> points = Slice(files, fit, slice);
     if (points.empty()) throw formats::DataError(files.cloud.string() + ": no point lies in the slice of heights");
     const std::vector<survey::MapFeature> features = ReadFeatures(files, fit, points);

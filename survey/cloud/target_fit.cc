@@ -147,7 +147,7 @@ std::string Reason(std::span<const Vector3d> spheres, std::span<const KnownTarge
     }
   }
   return "fewer than three targets were found again by their distances (" + std::to_string(spheres.size()) +
-         " spheres in the cloud, " + std::to_string(targets.size()) + " targets listed)";
+         " in the cloud, " + std::to_string(targets.size()) + " targets listed)";
 }
 
 }  // namespace

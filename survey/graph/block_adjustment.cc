@@ -9,12 +9,8 @@
 #include "survey/graph/block_graph.h"
 #include "survey/graph/control_tie.h"
 #include "survey/graph/graph_covariance.h"
-<<<<<<< ours
 #include "survey/graph/site_answers.h"
-#include "survey/graph/variance_factor.h"
-=======
 #include "survey/graph/variance_components.h"
->>>>>>> theirs
 
 namespace survey {
 namespace {
@@ -175,7 +171,6 @@ std::vector<VarianceComponent> Components(const PoseGraph& graph, const KindEvid
   return components;
 }
 
-<<<<<<< ours
 // Answers in the site frame need a block that control holds by two points.
 void NameUnusedSiteAnswers(const Answers& answers, std::vector<AnswerTest>* tests) {
   for (const Answer& answer : answers) {
@@ -199,11 +194,8 @@ std::string AnswerOutsideMap(const Answers& answers, const std::vector<SolvedSca
   return "";
 }
 
-AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary& summary) {
-=======
 // Memberships and motions agree with each other whatever their errors: their own conditions test nothing.
 AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary& summary, const KindEvidence& alone) {
->>>>>>> theirs
   AdjustmentStatistics statistics;
   statistics.num_nodes = static_cast<int>(block.nodes.size());
   statistics.num_submaps = static_cast<int>(block.num_submaps);
@@ -274,20 +266,12 @@ class Adjuster {
     return summary_.usable || Fail("the adjustment with answers did not converge: " + summary_.message);
   }
 
-<<<<<<< ours
   bool WithControl() {
     Solution& solution = result_.solution;
     solution.tied = !points_.empty();
     if (!solution.tied) return true;
     if (points_.size() == 1 && !options_.allow_single_point) {
       return Fail("the block's marks.csv stands on one control point only, " + points_.front()->name +
-=======
-  const KindEvidence alone = TrackAlone(block.graph).value_or(KindEvidence{});
-
-  const std::vector<const ControlPoint*> points = MarkedControl(control, block);
-  if (points.size() == 1 && !options.allow_single_point) {
-    return Failed("the block's marks.csv stands on one control point only, " + points.front()->name +
->>>>>>> theirs
                   ": it fixes the place but not the direction; mark a second one, or set allow-single-point = true "
                   "under [adjust] in block.toml");
     }
@@ -300,7 +284,6 @@ class Adjuster {
     solution.findings = tie_.findings;
     return true;
   }
-<<<<<<< ours
 
   void Tie() {
     if (points_.size() == 1) {
@@ -389,45 +372,6 @@ BlockAdjustment AdjustBlock(const Track& track, const Loops& loops, const Contro
                             const Answers& answers) {
   if (track.submaps.empty()) return Failed("the track has no submap");
   return Adjuster(track, loops, control, stamps, options, answers).Run();
-=======
-  BlockAdjustment result{.factors = free.factors};
-  Solution& solution = result.solution;
-  solution.tied = !points.empty();
-  solution.navigation = track.navigation;
-  solution.breaks = BreaksOf(track);
-  ControlTie tie;
-  if (solution.tied) {
-    solution.frame = control.frame;
-    if (points.size() == 1) {
-      tie = ShiftOntoPoint(*points.front(), &block);
-    } else {
-      const double free_sigma_zero = Statistics(block, summary, alone).sigma_zero;
-      FreezeRobustWeights(&block.graph);
-      tie = TieToControl(control, options.tie, free.factors, MotionOfTrack(track, stamps), &block);
-      tie.verdict.free_sigma_zero = free_sigma_zero;
-      summary = tie.summary;
-    }
-    if (!tie.usable) return Failed(tie.message);
-    solution.site_from_local = tie.site_from_local;
-    solution.rigid_scale = 1.0 + tie.verdict.scale_deviation;
-    solution.control = tie.verdict;
-    solution.findings = tie.findings;
-  }
-
-  Writer writer(track, block, tie.offset, &solution);
-  writer.Poses(stamps);
-  if (const auto covariance = GraphCovariance::Of(block.graph)) {
-    writer.Covariances(*covariance, options.covariance_spacing_m);
-    solution.components = Components(block.graph, alone, *covariance, tie.of_control);
-  }
-  writer.Marks(tie.marks);
-  solution.statistics = Statistics(block, summary, alone);
-  solution.statistics.num_control_marks = static_cast<int>(
-      std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
-  result.answers = TestAnswers(answers, block, first_answer);
-  result.usable = true;
-  return result;
->>>>>>> theirs
 }
 
 }  // namespace survey

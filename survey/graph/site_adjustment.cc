@@ -11,7 +11,7 @@
 #include "survey/graph/given_control.h"
 #include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
-#include "survey/graph/variance_factor.h"
+#include "survey/graph/variance_components.h"
 
 namespace survey {
 namespace {
@@ -20,6 +20,23 @@ constexpr double kChiSquare3 = 16.27;              // 99.9 %, three degrees of f
 constexpr double kIndependentMatches = 2.0;        // in one submap, whose own errors all of them share
 constexpr int kFactorRounds = 3;                   // of the variance factor and the solution
 const Eigen::Vector3d kBending(1e-4, 1e-4, 1e-6);  // of submap and scan in their blocks: m2, m2, rad2
+
+constexpr double kLeastRedundancy = 12.0;  // for a factor: its own sigma is then 40 % of it
+
+// Squares of the matches' residuals against their redundancy, weighted as the robust loss does; 1 where too few tell.
+double FactorOfMatches(const PoseGraph& graph, double robust_scale) {
+  const auto covariance = GraphCovariance::Of(graph);
+  if (!covariance) return 1.0;
+  KindEvidence matches;
+  for (const PoseEdge& edge : graph.edges) {
+    if (!edge.robust) continue;
+    const double square = SquaredNormalisedResidual(edge, graph.poses);
+    const double weight = 1.0 / (1.0 + square / (robust_scale * robust_scale));  // Cauchy
+    matches.squares += weight * square;
+    matches.redundancy += weight * covariance->RedundancyOf(edge);
+  }
+  return matches.redundancy >= kLeastRedundancy ? matches.Factor() : 1.0;
+}
 
 std::size_t Index(int value) { return static_cast<std::size_t>(value); }
 
@@ -194,7 +211,7 @@ class Site {
     for (int round = 0; round < kFactorRounds; ++round) {
       PutMatches(num_own_edges);
       if (!Solve()) return false;
-      const double factor = std::max(1.0, VarianceFactorOfLoops(graph_, solver_.robust_scale).factor);
+      const double factor = std::max(1.0, FactorOfMatches(graph_, solver_.robust_scale));
       for (MatchEdge& match : matches_) match.edge.covariance *= factor;
       result_.summary.match_factor *= factor;
     }

@@ -3,12 +3,14 @@
 // Cloud files, and plumbline-reference on the small garage's simulated scanner against the exact truth.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
 
 #include "formats/atomic_file.h"
 #include "formats/cloud_file.h"
+#include "formats/cloud_tiles.h"
 #include "formats/errors.h"
 #include "formats/features_csv.h"
 #include "survey/stats/philox.h"
@@ -54,6 +56,52 @@ TEST(CloudFileTest, ReadsPlyAndPcdInBothEncodings) {
   EXPECT_EQ(Read(scratch / "a.pcd", pcd + "binary\n" + Bytes(1.0F, 2.0F, 3.0F, rgb) +
                                         Bytes(std::nanf(""), 0.0F, 0.0F, rgb) + Bytes(-4.0F, 0.5F, 6.0F, rgb)),
             expected);
+}
+
+// Points on a border lie in both tiles and belong to one; coordinates of a projection keep their millimetres.
+TEST(CloudTilesTest, EachPointHasOneTileAndItsNeighbours) {
+  const test_support::ScratchFolder scratch;
+  const std::vector<Eigen::Vector3d> points = {
+      {500000.1, 5600003.0, 112.5}, {500009.95, 5600003.0, 112.5}, {500010.0, 5600003.0, 112.5}, {-0.05, 5.0, 1.0}};
+  std::string ply =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty double x\nproperty double y\n"
+      "property double z\nend_header\n";
+  for (const Eigen::Vector3d& p : points) ply += Bytes(p.x(), p.y(), p.z());
+  formats::WriteFileAtomically(scratch / "a.ply", ply);
+  std::vector<Eigen::Vector3d> held;
+  std::size_t num_points = 0;
+  formats::ForEachTile(scratch / "a.ply", scratch / "tiles", {.tile_m = 10.0, .margin_m = 0.2},
+                       [&](const formats::CloudTile& tile) {
+                         num_points += tile.points.size();
+                         for (const Eigen::Vector3f& p : tile.points) {
+                           if (tile.Holds(p.cast<double>())) held.emplace_back(tile.origin + p.cast<double>());
+                         }
+                       });
+  EXPECT_EQ(num_points, 8U);  // each of them near a border in x
+  ASSERT_EQ(held.size(), points.size());
+  for (const Eigen::Vector3d& p : points) {
+    EXPECT_TRUE(std::any_of(held.begin(), held.end(), [&](const auto& q) { return (p - q).norm() < 1e-4; }));
+  }
+  EXPECT_FALSE(std::filesystem::exists(scratch / "tiles"));
+}
+
+TEST(CloudFileTest, ReadsIntensities) {
+  const test_support::ScratchFolder scratch;
+  const std::string axes = "property float x\nproperty float y\nproperty float z\n";
+  const auto intensity_of = [&](const std::string& content) {
+    formats::WriteFileAtomically(scratch / "a.ply", content);
+    float intensity = 0.0F;
+    formats::ReadCloudPoints(scratch / "a.ply", [&](const formats::CloudPoint& point) { intensity = point.intensity; });
+    return intensity;
+  };
+  const std::string binary = "ply\nformat binary_little_endian 1.0\nelement vertex 1\n" + axes;
+  EXPECT_EQ(
+      intensity_of(binary + "property ushort intensity\nend_header\n" + Bytes(1.0F, 2.0F, 3.0F, std::uint16_t{700})),
+      700.0F);
+  EXPECT_EQ(intensity_of("ply\nformat ascii 1.0\nelement vertex 1\n" + axes +
+                         "property float scalar_Intensity\nend_header\n1 2 3 0.5\n"),
+            0.5F);
+  EXPECT_TRUE(std::isnan(intensity_of(binary + "end_header\n" + Bytes(1.0F, 2.0F, 3.0F))));
 }
 
 TEST(CloudFileTest, RefusesWhatItCannotRead) {

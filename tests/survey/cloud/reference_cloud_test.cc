@@ -3,8 +3,10 @@
 // A scanner's cloud from simulated surfaces: spheres, targets, features.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "survey/cloud/checkerboard_targets.h"
 #include "survey/cloud/slice.h"
 #include "survey/cloud/sphere_targets.h"
 #include "survey/cloud/target_fit.h"
@@ -55,6 +57,60 @@ TEST(SphereTargetsTest, FindsAllAndNothingElse) {
 
 TEST(SphereTargetsTest, ABallOfAnotherSizeIsNoTarget) {
   EXPECT_TRUE(FindSpheres(Cloud({{0, 0, 1}}), {.radius_m = 0.1}).empty());
+}
+
+struct ShadedCloud {
+  std::vector<Eigen::Vector3f> points;
+  std::vector<float> intensities;
+};
+
+// A flat patch of wall, 0.6 m x 0.6 m with a point every 4 mm, its shade by place; the scanner errs across it.
+template <typename Shade>
+void AddPatch(const Eigen::Isometry3d& cloud_from_patch, std::uint32_t stream, const Shade& shade, ShadedCloud* cloud) {
+  const RandomStream random(6, 0, stream);
+  std::uint64_t draw = 0;
+  for (double x = -0.298; x < 0.3; x += 0.004) {
+    for (double y = -0.298; y < 0.3; y += 0.004) {
+      const auto [across, grey] = random.Normals(draw++);
+      cloud->points.push_back((cloud_from_patch * Vector3d(x, y, kNoise * across)).cast<float>());
+      cloud->intensities.push_back(static_cast<float>(shade(x, y) + 12.0 * grey));
+    }
+  }
+}
+
+// Four squares about the middle, the wall around them in between.
+double ShadeOfBoard(double x, double y) {
+  if (std::max(std::abs(x), std::abs(y)) > 0.075) return 90.0;
+  return (x > 0.0) == (y > 0.0) ? 200.0 : 30.0;
+}
+
+const std::vector<Eigen::Isometry3d>& Boards() {
+  static const std::vector<Eigen::Isometry3d> kBoards = {
+      Eigen::Translation3d(3.02, 1.17, 1.4) * Eigen::AngleAxisd(1.3, Vector3d(0.2, 1.0, 0.1).normalized()),
+      Eigen::Translation3d(-4.41, 6.33, 0.9) * Eigen::AngleAxisd(0.5, Vector3d(1.0, 0.0, 0.4).normalized())};
+  return kBoards;
+}
+
+TEST(BoardTargetsTest, FindsTheCentresAndNoOtherPattern) {
+  ShadedCloud cloud;
+  for (const Eigen::Isometry3d& board : Boards()) AddPatch(board, 1, &ShadeOfBoard, &cloud);
+  // A stripe, an edge between two paints, a dark socket.
+  const auto at = [](double x) { return Eigen::Isometry3d(Eigen::Translation3d(x, -5.0, 1.0)); };
+  AddPatch(
+      at(0.0), 2, [](double x, double) { return std::abs(x) < 0.04 ? 200.0 : 30.0; }, &cloud);
+  AddPatch(
+      at(2.0), 3, [](double x, double y) { return x + 0.3 * y > 0.0 ? 200.0 : 30.0; }, &cloud);
+  AddPatch(
+      at(4.0), 4, [](double x, double y) { return std::hypot(x, y) < 0.04 ? 30.0 : 200.0; }, &cloud);
+  const std::vector<BoardTarget> found = FindBoards(cloud.points, cloud.intensities, {.size_m = 0.15});
+  ASSERT_EQ(found.size(), Boards().size());
+  for (const Eigen::Isometry3d& board : Boards()) {
+    double nearest = 1.0;
+    for (const BoardTarget& target : found) nearest = std::min(nearest, (target.centre - board.translation()).norm());
+    EXPECT_LT(nearest, 0.0015);
+  }
+  std::fill(cloud.intensities.begin(), cloud.intensities.end(), std::nanf(""));
+  EXPECT_TRUE(FindBoards(cloud.points, cloud.intensities, {.size_m = 0.15}).empty());
 }
 
 Eigen::Isometry3d SiteFromCloud() {

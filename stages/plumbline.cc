@@ -39,6 +39,8 @@ constexpr const char* kHelp = R"(Plumbline makes georeferenced indoor maps from 
                      bring everything up to date, or a TARGET: a stage, a block, a file
   plumbline status SITE
                      what is done, what is stale and why, what failed
+  plumbline review SITE
+                     answer review requests and edit the map on a local page
   plumbline deliver SITE
                      note that the results were handed over: later certificates tell what changed since
   plumbline edits add|retire|list|checkout|accept SITE ...

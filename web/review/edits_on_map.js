@@ -61,7 +61,7 @@ function styleOf(feature, resolution) {
 const kFormat = new ol.format.GeoJSON();
 
 export class EditsOnMap {
-  // `drawn` is called with the kind and the GeoJSON geometry of a new edit.
+  // `drawn` is called with the tool and the GeoJSON geometry of a new edit.
   constructor(siteMap, drawn) {
     this.map = siteMap.map;
     this.drawn = drawn;
@@ -114,10 +114,6 @@ export class EditsOnMap {
     this.draw?.finishDrawing();
   }
 
-  abort() {
-    this.draw?.abortDrawing();
-  }
-
   #drawing(tool) {
     const box = tool.shape === "box";
     const arrow = tool.shape === "arrow";
@@ -131,11 +127,10 @@ export class EditsOnMap {
         image: new ol.style.Circle({ radius: 5, fill: new ol.style.Fill({ color: kColours[tool.kind] }) }),
       }),
     });
-    draw.on("drawstart", () => (this.started = performance.now()));
     draw.on("drawend", ({ feature }) => {
       const geometry = kFormat.writeGeometryObject(feature.getGeometry());
       if (arrow) Object.assign(geometry, { type: "MultiLineString", coordinates: [geometry.coordinates] });
-      this.drawn(tool, geometry, (performance.now() - this.started) / 1000);
+      this.drawn(tool, geometry);
     });
     return draw;
   }

@@ -135,6 +135,7 @@ class Page {
     for (const button of element("tools").children) {
       button.setAttribute("aria-pressed", String(button.dataset.kind === taken?.kind));
     }
+    element("drawing").hidden = !taken;
     this.watch.start();
   }
 
@@ -233,9 +234,13 @@ class Page {
     click("skip", () => this.skip());
     click("reset-pose", () => this.scan.reset());
     click("undo", () => this.undo());
+    click("finish", () => this.editsOnMap.finish());
+    click("point-away", () => this.editsOnMap.undoPoint());
+    click("tool-down", () => this.useTool(null));
     click("help-button", () => element("help").showModal());
     click("save", () => this.save());
     element("save").hidden = !this.source.keepsFile;
+    element("room").hidden = this.source.keepsFile;
     element("backdrop").addEventListener("change", ({ target }) => this.#showBackdrop([...target.files]));
     element("operator").value = localStorage.getItem("plumbline-operator") ?? "";
     element("operator").addEventListener("change", () => localStorage.setItem("plumbline-operator", this.operator));

@@ -36,10 +36,19 @@ export class Review {
     });
   }
 
+  // Shown at once; taken away again when it is refused.
   add(geometry, attributes) {
     const addition = additionOf(geometry, attributes);
+    this.#apply(addition);
+    this.changed();
     return this.#inTurn(async () => {
-      await this.#append([addition]);
+      try {
+        await this.#append([addition]);
+      } catch (refusal) {
+        this.#apply({ ...addition, op: "retire" });
+        this.changed();
+        throw refusal;
+      }
       this.history.push(() => this.#append([retirementOf({ ...addition, rev: 1 }, addition.who, "review: undo")]));
     });
   }

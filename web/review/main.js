@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The review page: requests on the left, the map in the middle, tools, layers and edits on the right.
-import { answerTo, answerWithPose, poseOf, rejectionOf } from "shared/decisions.js";
-import { compose } from "shared/pose.js";
+import { answerTo, answerWithPose, rejectionOf } from "shared/decisions.js";
 import { Review } from "shared/review.js";
 import { kDocuments, sourceOfPage } from "shared/source.js";
 import { Stopwatch } from "shared/stopwatch.js";
@@ -11,7 +10,8 @@ import { EditList } from "review/edit_list.js";
 import { EditsOnMap, kTools, titleOf } from "review/edits_on_map.js";
 import { listenToKeys } from "review/keys.js";
 import { SiteMap } from "review/map.js";
-import { answerFor, causeText, RequestList } from "review/request_list.js";
+import { Question } from "review/question.js";
+import { answerFor, RequestList } from "review/request_list.js";
 import { ScanOnMap } from "review/scan.js";
 
 const kRequestWidth_m = 24; // of the map that is shown with a request
@@ -25,7 +25,8 @@ class Page {
     this.request = null;
     this.watch = new Stopwatch();
     this.siteMap = new SiteMap("map", source, documents);
-    this.scan = new ScanOnMap(this.siteMap, () => this.#tellPose());
+    this.scan = new ScanOnMap(this.siteMap, () => this.question.tellPose());
+    this.question = new Question(this.scan);
     this.editsOnMap = new EditsOnMap(this.siteMap, (tool, geometry) => this.#drawn(tool, geometry));
     this.review = new Review(source, documents, () => this.#refresh());
     this.requestList = new RequestList(element("requests"), element("request-summary"), (request) => this.ask(request));
@@ -49,59 +50,20 @@ class Page {
     this.request = request;
     this.useTool(null);
     this.requestList.select(request);
-    element("question").hidden = !request;
-    this.scan.show(request);
     this.watch.start();
-    if (!request) return this.tell(this.requestList.requests.length ? "every request has an answer" : "no requests");
+    if (!request) {
+      this.question.hide();
+      return this.tell(this.requestList.requests.length ? "every request has an answer" : "no requests");
+    }
     this.siteMap.show(this.documents.requests.frames[request.block]);
     this.siteMap.centreOn([request.estimate.x, request.estimate.y], kRequestWidth_m);
-    this.#describe(request);
-    this.#showAnswer(request, answerFor(request, this.review.answers)?.answer);
-  }
-
-  // The scan where somebody has put it already.
-  #showAnswer({ reference }, answer) {
-    const moved = ["correct", "pick"].includes(answer?.decision);
-    if (moved && answer.ref?.stamp_ns === reference?.stamp_ns) this.scan.put(compose(poseOf(reference), answer.pose));
-    else this.#tellPose();
-  }
-
-  #describe(request) {
-    element("question-title").textContent = `Request ${request.rank}, block ${request.block}: ${causeText(request)}`;
-    element("question-text").textContent = request.causes.map(({ message }) => message).join("; ");
-    for (const id of ["accept", "save-correction"]) element(id).disabled = !request.reference;
-    element("modes").replaceChildren(...request.modes.map((mode, i) => this.#modeButton(request, mode, i)));
-  }
-
-  #modeButton(request, mode, i) {
-    const button = document.createElement("button");
-    const away = Math.hypot(mode.x - request.estimate.x, mode.y - request.estimate.y);
-    button.textContent = `Place ${i + 1}: ${away.toFixed(2)} m away, ${Math.round(100 * mode.weight)} %`;
-    button.addEventListener("click", () => {
-      this.scan.put(poseOf(mode));
-      this.mode = mode;
-    });
-    return button;
-  }
-
-  #tellPose() {
-    this.mode = null;
-    if (!this.request) return;
-    const { estimate } = this.request;
-    const [x, y, theta] = this.scan.pose;
-    const centimetres = (value) => `${(100 * value).toFixed(1)} cm`;
-    const degrees = ((180 / Math.PI) * (theta - estimate.theta)).toFixed(2);
-    element("moved").textContent = this.scan.unmoved
-      ? "as estimated"
-      : `moved ${centimetres(x - estimate.x)} east, ${centimetres(y - estimate.y)} north, turned ${degrees}°`;
-    element("accept").textContent = this.scan.unmoved ? "Confirm and next" : "Save this pose and next";
+    this.question.show(request, answerFor(request, this.review.answers)?.answer);
   }
 
   // What is shown is right: the estimate, one of the places offered, or where the person has moved the scan.
   accept() {
     if (this.editsOnMap.tool) return this.editsOnMap.finish();
-    const decision = this.scan.unmoved ? "confirm" : this.mode ? "pick" : "correct";
-    return this.#answerWithPose(decision, true);
+    return this.#answerWithPose(this.question.decision, true);
   }
 
   #answerWithPose(decision, thenNext) {
@@ -130,7 +92,7 @@ class Page {
 
   useTool(tool) {
     const taken = tool && tool !== this.editsOnMap.tool ? tool : null;
-    if (taken && this.siteMap.frame !== "site") this.siteMap.show("site");
+    if (taken) this.siteMap.show("site");
     this.editsOnMap.use(taken);
     for (const button of element("tools").children) {
       button.setAttribute("aria-pressed", String(button.dataset.kind === taken?.kind));
@@ -232,7 +194,6 @@ class Page {
     click("save-correction", () => this.#answerWithPose("correct", false));
     click("reject-stretch", () => this.rejectStretch());
     click("skip", () => this.skip());
-    click("reset-pose", () => this.scan.reset());
     click("undo", () => this.undo());
     click("finish", () => this.editsOnMap.finish());
     click("point-away", () => this.editsOnMap.undoPoint());
@@ -245,12 +206,9 @@ class Page {
     element("operator").value = localStorage.getItem("plumbline-operator") ?? "";
     element("operator").addEventListener("change", () => localStorage.setItem("plumbline-operator", this.operator));
     element("tools").append(...kTools.map((tool) => this.#toolButton(tool)));
+    this.#offerFrames(document.querySelector("#frames select"));
     for (const box of document.querySelectorAll("#layers input")) {
       box.addEventListener("change", () => this.siteMap.setVisible(box.value, box.checked));
-    }
-    for (const button of document.querySelectorAll("#nudge button")) {
-      const [east, north, turn] = button.dataset.step.split(" ").map(Number);
-      button.addEventListener("click", () => this.scan.move(east, north, (turn * Math.PI) / 180));
     }
     document.addEventListener("visibilitychange", () => document.hidden || this.#lookAgain());
     listenToKeys(this.scan, {
@@ -266,6 +224,14 @@ class Page {
       useTool: (tool) => this.useTool(tool),
       help: () => element("help").showModal(),
     });
+  }
+
+  // The site, and blocks that are tied to nothing, each in its own frame.
+  #offerFrames(select) {
+    const { frames } = this.siteMap;
+    element("frames").hidden = frames.length < 2;
+    select.append(...frames.map((frame) => new Option(frame === "site" ? "the site" : `block ${frame}`, frame)));
+    select.addEventListener("change", () => this.siteMap.show(select.value));
   }
 
   #toolButton(tool) {

@@ -97,9 +97,9 @@ export class SiteMap {
     return extent;
   }
 
-  // Shows a frame from its edge to its edge.
+  // Shows a frame from its edge to its edge; stays where it is when there is no such frame.
   show(frame) {
-    if (frame === this.frame || frame === undefined) return;
+    if (frame === this.frame || !this.frames.includes(frame)) return;
     this.frame = frame;
     const view = new ol.View({ projection: this.projection, minResolution: 0.001, maxResolution: 20 });
     this.map.setView(view);

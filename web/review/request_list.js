@@ -45,9 +45,8 @@ export class RequestList {
     this.buttons = new Map();
   }
 
-  show(requests, answers, frames) {
+  show(requests, answers) {
     this.requests = requests;
-    this.frames = frames;
     this.buttons.clear();
     this.list.replaceChildren(...requests.map((request) => this.#item(request)));
     this.refresh(answers);

@@ -79,7 +79,7 @@ export class FloorScene {
     const texture = new THREE.TextureLoader().load(url);
     texture.colorSpace = THREE.SRGBColorSpace;
     texture.magFilter = THREE.NearestFilter;
-    const material = new THREE.MeshBasicMaterial({ map: texture, transparent: true, opacity: 0.7, depthWrite: false });
+    const material = new THREE.MeshBasicMaterial({ map: texture, transparent: true, opacity: 0.5, depthWrite: false });
     const plane = new THREE.Mesh(new THREE.PlaneGeometry(size, size), material);
     plane.rotation.x = -Math.PI / 2;
     const [west, north] = layer.origin;

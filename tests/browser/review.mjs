@@ -43,6 +43,7 @@ async function numAnswered() {
 
 // ---------------------------------------------------------------------------------------------------------- answers
 
+const firstShown = Date.now();
 const offsets = new Map(); // by stamp: how far the person moved the scan (east, north, turn)
 await page.locator("#map").click({ position: { x: 5, y: 5 } }); // keys go to the page, not to the name
 for (const [i, request] of requests.entries()) {
@@ -64,6 +65,7 @@ for (const [i, request] of requests.entries()) {
   await page.waitForFunction((n) => document.querySelectorAll('#requests button:not([data-state="open"])').length === n, i + 1);
 }
 assert.equal(await numAnswered(), 10);
+console.log(`seconds per answer: ${((Date.now() - firstShown) / 10000).toFixed(1)}`);
 
 // Takes hold of the scan at its centre, which the page shows in the middle of the map.
 async function drag(request, [east_px, south_px]) {

@@ -64,7 +64,7 @@ std::string Guard::RefusalOfSender(const std::string& host, const std::string& o
 }
 
 std::string Guard::RefusalOf(const std::string& host, const std::string& origin, const std::string& cookie) const {
-  if (const std::string refusal = RefusalOfSender(host, origin); !refusal.empty()) return refusal;
+  if (std::string refusal = RefusalOfSender(host, origin); !refusal.empty()) return refusal;
   const std::string session = ValueOfCookie(cookie, CookieName());
   const std::lock_guard lock(mutex_);
   return sessions_.contains(session) ? "" : "no session: open the link that plumbline review printed last";

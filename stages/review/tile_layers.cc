@@ -55,9 +55,8 @@ std::vector<TileLayer> TileLayers::Layers() const {
   add({"map", "map", "site", "map", site_ / "out" / "site.tif"});
   for (const std::string& block : pipeline::BlocksOf(site_))
     add({"map-" + block, "map", block, "map of " + block, site_ / "out" / "local" / (block + ".tif")});
-  const fs::path site_map = site_ / "out" / "site.tif";
-  if (fs::exists(site_map) && formats::HasUncertainty(site_map))
-    add({"uncertainty", "uncertainty", "site", "uncertainty", site_map, MapTiles::Picture::kUncertainty});
+  add({"uncertainty", "uncertainty", "site", "uncertainty", site_ / "out" / "site.tif",
+       MapTiles::Picture::kUncertainty});
   return layers;
 }
 
@@ -72,6 +71,7 @@ TileLayers::Opened TileLayers::Open(const TileLayer& layer) {
 json TileLayers::Description() {
   json layers = json::array();
   for (const TileLayer& layer : Layers()) {
+    if (layer.picture == MapTiles::Picture::kUncertainty && !formats::HasUncertainty(layer.file)) continue;
     const Opened opened = Open(layer);
     layers.push_back(Describe(layer, opened.tiles->frame(), opened.state));
   }

@@ -158,7 +158,7 @@ TEST_F(RerunTest, EditAddedAndRetired) {
     EXPECT_EQ(site_.Results().at(map), before.at(map)) << map;
 }
 
-// Only the mask of robots knows a forbidden area; only a mask of returns reaches back to the field data.
+// A forbidden area is known to the mask of robots alone.
 TEST_F(RerunTest, EditsReachWhatTheyConcern) {
   const std::string site = site_.path();
   const auto draw = [&](const std::string& kind, const std::string& corners) {

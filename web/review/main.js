@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The review page: requests on the left, the map in the middle, tools, layers and edits on the right.
-import { answerTo, answerWithPose, rejectionOf } from "shared/decisions.js";
+import { answerTo, answerWithPose, rejectionOf, takesPose } from "shared/decisions.js";
 import { Review } from "shared/review.js";
 import { kDocuments, sourceOfPage } from "shared/source.js";
 import { Stopwatch } from "shared/stopwatch.js";
@@ -57,7 +57,8 @@ class Page {
     }
     this.siteMap.show(this.documents.requests.frames[request.block]);
     this.siteMap.centreOn([request.estimate.x, request.estimate.y], kRequestWidth_m);
-    this.question.show(request, answerFor(request, this.review.answers)?.answer);
+    const answer = answerFor(request, this.review.answers)?.answer;
+    this.question.show(request, answer, takesPose(request, this.documents.requests.blocks));
   }
 
   // What is shown is right: the estimate, one of the places offered, or where the person has moved the scan.
@@ -67,7 +68,10 @@ class Page {
   }
 
   #answerWithPose(decision, thenNext) {
-    if (!this.request?.reference) return this.tell("this request has no earlier scan to refer to: skip or reject it");
+    if (!this.request) return undefined;
+    if (!takesPose(this.request, this.documents.requests.blocks)) {
+      return this.tell("no earlier scan to refer to, and the block is not tied to the site: skip or reject it");
+    }
     const about = this.watch.about(this.operator);
     return this.#answer(answerWithPose(this.request, decision, this.scan.pose, about), thenNext);
   }

@@ -23,16 +23,19 @@ export class Question {
     this.scan.show(null);
   }
 
-  // `answer`: what somebody has said to it already; the scan is then shown where he has put it.
-  show(request, answer) {
+  // `answer`: what somebody has said to it already; the scan is then shown where he has put it. `takesPose`: whether it
+  // can be answered by a pose.
+  show(request, answer, takesPose) {
     element("question").hidden = false;
     element("question-title").textContent = `Request ${request.rank}, block ${request.block}: ${causeText(request)}`;
     element("question-text").textContent = request.causes.map(({ message }) => message).join("; ");
-    for (const id of ["accept", "save-correction"]) element(id).disabled = !request.reference;
+    for (const id of ["accept", "save-correction"]) element(id).disabled = !takesPose;
     element("modes").replaceChildren(...request.modes.map((mode, i) => this.#modeButton(request, mode, i)));
     this.scan.show(request);
     const moved = ["correct", "pick"].includes(answer?.decision);
-    if (moved && answer.ref?.stamp_ns === request.reference?.stamp_ns) {
+    if (moved && answer.frame === "site") {
+      this.scan.put(answer.pose);
+    } else if (moved && answer.ref?.stamp_ns === request.reference?.stamp_ns) {
       this.scan.put(compose(poseOf(request.reference), answer.pose));
     } else {
       this.tellPose();

@@ -17,10 +17,18 @@ export function poseOf({ x, y, theta }) {
   return [x, y, theta];
 }
 
-// A scan's pose is given in the frame of the request's reference: true wherever an adjustment moves both.
+// Whether an answer to a request can give a pose. `blocks`: as the list of requests has them.
+export function takesPose({ reference, block }, blocks) {
+  return reference !== null || blocks.some(({ name, tied }) => name === block && tied);
+}
+
+// A scan's pose is given in the frame of the request's reference: true wherever an adjustment moves both. Where there is
+// no earlier scan to refer to, it is given in the site.
 export function answerWithPose(request, decision, siteFromScan, about) {
+  const answer = answerTo(request, decision, about);
+  if (request.reference === null) return { ...answer, frame: "site", pose: roundedPose(siteFromScan) };
   return {
-    ...answerTo(request, decision, about),
+    ...answer,
     ref: { stamp_ns: request.reference.stamp_ns },
     pose: roundedPose(between(poseOf(request.reference), siteFromScan)),
   };

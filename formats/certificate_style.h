@@ -53,7 +53,7 @@ svg { width: 100%; height: auto; display: block; }
 .pair figure { width: 36%; padding-right: 2%; }
 .pair table { font-size: 7.8pt; line-height: 1.25; }
 .pair td { padding: .45mm 1.5mm; }
-.features figure { display: inline-block; width: 18%; margin: 0 .8% 2mm; vertical-align: top; }
+.features figure { display: inline-block; width: 17%; margin: 0 .8% 2mm; vertical-align: top; }
 .features figcaption { font-size: 7pt; }
 .two figure { display: inline-block; width: 48%; margin: 0 .5%; vertical-align: top; }
 @media print { body { margin: 0; padding: 0; max-width: none; } }

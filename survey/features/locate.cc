@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/features/locate.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "survey/features/corner.h"
@@ -21,6 +22,8 @@ MapFeature LocateFeature(const SiteRaster& map, const NamedFeature& wanted, cons
   feature.name = wanted.name;
   feature.kind = wanted.kind;
   feature.found = feature.reason.empty();
+  if (feature.found)
+    feature.covariance += std::pow(options.scatter_cells * map.cell_size_m, 2) * Eigen::Matrix2d::Identity();
   return feature;
 }
 

@@ -18,6 +18,10 @@ struct LocateOptions {
   double max_gap_m = 0.2;        // from the end of a face to the corner
   double distinct_m = 0.1;       // two possible corners must differ this much in their distance from the surveyed place
   double max_pillar_size_m = 1.5;
+  // Per axis, beside what the models of faces know: poses that scatter, rays that graze, persons who stood there. At
+  // 500 features of simulated garages (small.toml, two places in the cells) the normalised error is 1.0 with it, 1.6
+  // without.
+  double scatter_cells = 0.2;
 };
 
 MapFeature LocateFeature(const SiteRaster& map, const NamedFeature& wanted, const LocateOptions& options);

@@ -79,7 +79,7 @@ Figures Repeat(const Scene& scene, FeatureKind kind, bool turned, double noise_m
     const Scene placed = Placed(scene, turn, by);
     const SiteRaster map = RenderMap(placed.solids, placed.stands, Noise(noise_m, static_cast<std::uint64_t>(i)));
     const Vector2d near = placed.truth + 0.02 * Vector2d(random.Normal(index + 3), random.Normal(index + 4));
-    const MapFeature feature = LocateFeature(map, At(near, kind), {});
+    const MapFeature feature = LocateFeature(map, At(near, kind), {.scatter_cells = 0.0});  // poses are exact
     EXPECT_TRUE(feature.found) << "turn " << turn << ": " << feature.reason;
     if (!feature.found) continue;
     ++figures.found;

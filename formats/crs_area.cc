@@ -12,6 +12,8 @@
 namespace formats {
 namespace {
 
+constexpr double kZonePrefix = 1e6;  // 32500000: the number of a zone before the easting
+
 // GDAL must not print: what is wrong is told by our own messages.
 class QuietGdal {
  public:
@@ -70,6 +72,12 @@ void CheckControlArea(const std::vector<survey::ControlPoint>& points, const std
                       ": northing and easting look exchanged: as read, northing " + NumberText(p.y()) + ", easting " +
                       NumberText(p.x()) + " lies outside the area of use of " + crs + "; exchanged, northing " +
                       NumberText(p.x()) + ", easting " + NumberText(p.y()) + " lies inside");
+    }
+    const double without_zone = std::fmod(p.x(), kZonePrefix);
+    if (p.x() > kZonePrefix && area.Contains({without_zone, p.y()})) {
+      throw DataError(where[i] + "point " + points[i].name + ": easting " + NumberText(p.x()) +
+                      " carries the number of a zone in front: " + NumberText(without_zone) +
+                      " lies inside the area of use of " + crs);
     }
     if (num_outside++ == 0) first = where[i] + "point " + points[i].name;
   }

@@ -140,7 +140,20 @@ TEST_F(NetworkStageTest, RefusesBadControlAndKeepsOldOutputs) {
   ExpectRefused("C1,10,20\nC2,10,40\n", "points.csv:1: the file has no header, so the order");
   ExpectRefused(kHeader + "C1,690000,5334000,0.002,0.002,,\n", "northing and easting look exchanged", 1,
                 {"--crs", "EPSG:25832"});
+  ExpectRefused(kHeader + "C1,5334000,32690000,0.002,0.002,,\n", "carries the number of a zone in front: 690000", 1,
+                {"--crs", "EPSG:25832"});
   ExpectRefused("", "points.csv: holds no points");
+}
+
+// A site may lie beyond the border of a zone: told, not refused.
+TEST_F(NetworkStageTest, CoordinatesOfAnotherZoneAreTold) {
+  Write("points.csv", kHeader +
+                          "C1,5334000,-200000,0.002,0.002,,\nC2,5334010,-200000,0.002,0.002,,\n"
+                          "C3,5334020,-200000,0.002,0.002,,\nK1,5334030,-200000,0.002,0.002,,\nT1,,,,,tie,\n"
+                          "X1,5334040,-200000,0.002,0.002,excluded,disturbed\n");
+  const CommandResult result = Run({"--crs", "EPSG:25832"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_NE(result.err.find("points lie outside the area of use of EPSG:25832"), std::string::npos) << result.err;
 }
 
 TEST_F(NetworkStageTest, RefusesBadUsage) {

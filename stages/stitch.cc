@@ -104,34 +104,44 @@ struct SeamSearch {
   double min_overlap_m2 = 4.0;  // that two blocks must have seen both to be neighbours
 };
 
-// Of the pair only what both may have seen is read; empty: too little for a seam.
-std::optional<survey::Seam> CompareTwo(const BlockMap& first, const BlockMap& second,
-                                       const survey::CommonCoverage& common, const SeamSearch& search) {
-  const double cell_m = first.map.frame.cell_size_m;
-  const double min_cells = std::max(1.0, search.min_overlap_m2 / (cell_m * cell_m));
-  if (static_cast<double>(common.max_cells) < min_cells) return std::nullopt;
+// Empty: both have not seen enough for a seam. Of the pair only what both may have seen is looked at.
+std::optional<survey::Seam> CompareTwo(const survey::RasterStrips& first, const survey::RasterStrips& second,
+                                       const survey::CellBox& common, const SeamSearch& search) {
   constexpr std::int64_t kSmoothedCells = 8;  // whose surroundings tell where their faces are
-  const std::int64_t margin = std::llround(search.seam.search_m / cell_m) + kSmoothedCells;
-  survey::Seam seam =
-      survey::CompareMaps(PartOf(first.map, common.box, margin), PartOf(second.map, common.box, margin), search.seam);
-  if (seam.overlap_area_m2 < min_cells * cell_m * cell_m) return std::nullopt;
+  const std::int64_t margin = std::llround(search.seam.search_m / first.frame.cell_size_m) + kSmoothedCells;
+  survey::Seam seam = survey::CompareMaps(PartOf(first, common, margin), PartOf(second, common, margin), search.seam);
+  if (seam.overlap_area_m2 == 0.0 || seam.overlap_area_m2 < search.min_overlap_m2) return std::nullopt;
   return seam;
+}
+
+// A block while it is compared with its neighbours: its map in memory.
+struct LoadedBlock {
+  survey::SiteRaster map;
+  survey::Solution solution;
+};
+
+LoadedBlock Load(const BlockMap& block) {
+  return {block.map.read(block.map.frame.min_row, block.map.frame.height), formats::ReadSolution(block.solution)};
 }
 
 std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& blocks, const SeamSearch& search,
                                            pipeline::StageRun& run) {
   std::vector<survey::Coverage> coverages;
   for (const BlockMap* block : blocks) coverages.emplace_back(block->map);
+  const double cell_m = blocks.front()->map.frame.cell_size_m;
   std::vector<formats::BlockSeam> seams;
   pipeline::Progress progress = run.Track("blocks", static_cast<std::int64_t>(blocks.size()));
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    std::optional<survey::Solution> solution;
+    std::optional<LoadedBlock> first;
     for (std::size_t j = i + 1; j < blocks.size(); ++j) {
-      std::optional<survey::Seam> seam = CompareTwo(*blocks[i], *blocks[j], coverages[i].With(coverages[j]), search);
+      const survey::CommonCoverage common = coverages[i].With(coverages[j]);
+      const double at_most_m2 = static_cast<double>(common.max_cells) * cell_m * cell_m;
+      if (common.max_cells == 0 || at_most_m2 < search.min_overlap_m2) continue;
+      if (!first) first = Load(*blocks[i]);
+      std::optional<survey::Seam> seam = CompareTwo(StripsOf(first->map), blocks[j]->map, common.box, search);
       if (!seam) continue;
-      if (!solution) solution = formats::ReadSolution(blocks[i]->solution);
-      const auto verdict = survey::JudgeSeam(*seam, *solution, formats::ReadSolution(blocks[j]->solution),
-                                             kReadingSigmaCells * blocks[i]->map.frame.cell_size_m);
+      const auto verdict = survey::JudgeSeam(*seam, first->solution, formats::ReadSolution(blocks[j]->solution),
+                                             kReadingSigmaCells * cell_m);
       seams.push_back({blocks[i]->name, blocks[j]->name, *std::move(seam), verdict});
     }
     progress.Advance(static_cast<std::int64_t>(i + 1));

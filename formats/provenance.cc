@@ -24,6 +24,25 @@ nlohmann::json RecordToJson(const ProvenanceRecord& record) {
 
 std::string ProvenanceRecord::Id() const { return Sha256(RecordToJson(*this).dump()); }
 
+Provenance WithInputs(const Provenance& whole, std::vector<ProvenanceInput> inputs) {
+  std::map<std::string, const ProvenanceRecord*> known;
+  for (const ProvenanceRecord& record : whole.records) known.emplace(record.Id(), &record);
+  Provenance part{.records = {whole.Own()}};
+  part.records.front().inputs = std::move(inputs);
+  std::map<std::string, const ProvenanceRecord*> ancestors;
+  std::vector<const ProvenanceRecord*> open = {&part.records.front()};
+  while (!open.empty()) {
+    const ProvenanceRecord* record = open.back();
+    open.pop_back();
+    for (const ProvenanceInput& input : record->inputs) {
+      const auto found = known.find(input.record_id);
+      if (found != known.end() && ancestors.insert(*found).second) open.push_back(found->second);
+    }
+  }
+  for (const auto& [id, record] : ancestors) part.records.push_back(*record);
+  return part;
+}
+
 nlohmann::json ToJson(const Provenance& provenance) {
   nlohmann::json records = nlohmann::json::array();
   for (const ProvenanceRecord& record : provenance.records) {

@@ -41,6 +41,10 @@ struct Provenance {
   const ProvenanceRecord& Own() const { return records.front(); }
 };
 
+// The same run with some of its inputs, for an artefact that shows no more of the others than what `inputs` tell: its
+// own record and the records that these descend from.
+Provenance WithInputs(const Provenance& whole, std::vector<ProvenanceInput> inputs);
+
 nlohmann::json ToJson(const Provenance& provenance);
 Provenance ProvenanceFromJson(const nlohmann::json& json);  // DataError when malformed
 

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "formats/artefacts.h"
+#include "formats/digest.h"
 #include "formats/joint_file.h"
 #include "pipeline/stage.h"
 #include "survey/graph/block_matches.h"
@@ -120,6 +121,18 @@ void Summarize(const survey::JointSummary& summary, pipeline::StageRun& run) {
   }
 }
 
+// A solution names its own block's inputs, and joint.json for all others: with the records of all blocks in each file a
+// site's files would grow with the square of their number.
+formats::Provenance ProvenanceOfBlock(const std::string& block, const fs::path& report, pipeline::StageRun& run) {
+  std::vector<formats::ProvenanceInput> inputs = {
+      {.role = "joint adjustment", .sha256 = formats::Sha256OfFile(report)}};
+  for (const formats::ProvenanceInput& input : run.Provenance().Own().inputs) {
+    if (input.role == "control" || input.role.ends_with(" " + block)) inputs.push_back(input);
+  }
+  std::stable_sort(inputs.begin(), inputs.end(), [](const auto& a, const auto& b) { return a.role < b.role; });
+  return formats::WithInputs(run.Provenance(), std::move(inputs));
+}
+
 // Blocks keep their order; those that take no part keep their solutions.
 void Run(const JoinFiles& files, bool joint, double robust_scale, const survey::BlockMatchOptions& options,
          pipeline::StageRun& run) {
@@ -134,14 +147,15 @@ void Run(const JoinFiles& files, bool joint, double robust_scale, const survey::
   }
   survey::JointSummary& summary = adjustment.summary;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
-    if (!graphs[b].covariances.empty()) {
-      summary.blocks.push_back(
-          survey::MoveSolution(graphs[b], blocks[b].track, survey::ClockStamps(blocks[b].stamps), &blocks[b].solution));
-    }
-    formats::WriteSolution(files.output / graphs[b].name / "solution.sqlite", blocks[b].solution, blocks[b].stamps,
-                           run.Provenance());
+    if (graphs[b].covariances.empty()) continue;
+    summary.blocks.push_back(
+        survey::MoveSolution(graphs[b], blocks[b].track, survey::ClockStamps(blocks[b].stamps), &blocks[b].solution));
   }
   formats::WriteJoint(files.report, summary, run.Provenance());
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    formats::WriteSolution(files.output / graphs[b].name / "solution.sqlite", blocks[b].solution, blocks[b].stamps,
+                           ProvenanceOfBlock(graphs[b].name, files.report, run));
+  }
   Summarize(summary, run);
 }
 

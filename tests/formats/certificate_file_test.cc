@@ -56,6 +56,11 @@ survey::Certificate Example() {
       {.points = {{"C1", survey::PointRole::kControl, {1, 2}}}, .poses = {{"B1", 5, {1, 2}}, {"B2", 5, {1, 2}}}},
       {.points = {{"C1", survey::PointRole::kControl, {1, 2.01}}, {"K1", survey::PointRole::kCheck, {5, 5}}},
        .poses = {{"B1", 5, {1, 2.01}}}});
+  certificate.joint = {.num_control_points = 2,
+                       .num_shared = 1,
+                       .blocks = {{.name = "B1", .rms_shift = 0.002, .max_shift = 0.004, .place_of_max = {7, 8}}},
+                       .pairs = {{.block_a = "B1", .block_b = "B2", .num_matches = 9, .num_used = 8, .sigma = 0.01}},
+                       .apart = {"B3"}};
   return certificate;
 }
 

@@ -90,6 +90,34 @@ TEST_F(RerunTest, OptionsOfOneStage) {
   EXPECT_EQ(site_.StagesOfRun(), Stages{});
 }
 
+// plumbline-join by hand on the files of a site with the blocks A and B.
+test_support::CommandResult Join(const JobSite& site, const std::string& graph_of_b) {
+  std::vector<std::string> command = {"plumbline-join", "--control", "work/joint-control.sqlite"};
+  for (const std::string file : {"session", "track"})
+    command.insert(command.end(), {"--" + file, "A=work/A/" + file + ".sqlite", "B=work/B/" + file + ".sqlite"});
+  command.insert(command.end(),
+                 {"--graph", "A=work/A/graph.sqlite", graph_of_b, "--solution", "A=work/A/adjusted.sqlite",
+                  "B=work/B/adjusted.sqlite", "--output", "by-hand", "--report", "by-hand/joint.json"});
+  return test_support::RunCommand(command, site.path());
+}
+
+void ExpectJoinChecksItsInputs(const JobSite& site) {
+  const test_support::CommandResult foreign = Join(site, "B=work/A/graph.sqlite");
+  EXPECT_EQ(foreign.status, 1);
+  EXPECT_NE(foreign.err.find("was not written by the run of adjust that wrote work/B/adjusted.sqlite"),
+            std::string::npos)
+      << foreign.err;
+  const test_support::CommandResult missing = Join(site, "C=work/B/graph.sqlite");
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.err.find("--graph B=FILE is missing"), std::string::npos) << missing.err;
+  EXPECT_FALSE(fs::exists(site / "by-hand"));
+  // Without --joint every block keeps its own solution.
+  EXPECT_EQ(Join(site, "B=work/B/graph.sqlite").status, 0);
+  const survey::Solution kept = formats::ReadSolution(site / "by-hand/B/solution.sqlite");
+  const survey::Solution own = formats::ReadSolution(site / "work/B/adjusted.sqlite");
+  EXPECT_EQ(kept.scans.back().site_from_scan.Vector(), own.scans.back().site_from_scan.Vector());
+}
+
 // All blocks together: a moved control point moves the blocks that did not see it too; a check point moves none.
 TEST_F(RerunTest, JointAdjustment) {
   const auto apart = site_.Results();
@@ -106,6 +134,7 @@ TEST_F(RerunTest, JointAdjustment) {
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report"}));
   ReplaceInFile(site_ / "control/points.csv", "5600208.0000,500102.0024", "5600208.0000,500102.0004");
   site_.StagesOfRun();
+  ExpectJoinChecksItsInputs(site_);
   ReplaceInFile(site_ / "site.toml", "joint = true", "# joint = false");
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "B adjust", "B edit", "B grid", "certify",
                                          "network", "report", "stitch"}));

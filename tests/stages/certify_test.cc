@@ -6,6 +6,7 @@
 #include "formats/artefacts.h"
 #include "formats/atomic_file.h"
 #include "formats/certificate_file.h"
+#include "formats/joint_file.h"
 #include "tests/support/command.h"
 #include "tests/support/scratch_folder.h"
 
@@ -126,6 +127,23 @@ TEST_F(CertifyStageTest, RepeatsTheSeams) {
   EXPECT_EQ(Certificate().stitching.seams[0].contradicts, true);
   formats::WriteFileAtomically(scratch_ / "seams.json", seams.substr(0, 60));
   EXPECT_EQ(Run({"--seams", "seams.json"}).status, 1);
+}
+
+TEST_F(CertifyStageTest, RepeatsTheJointAdjustment) {
+  const survey::JointSummary joint{
+      .num_control_points = 3,
+      .blocks = {{.name = "B1", .rms_shift = 0.002, .max_shift = 0.004}},
+      .pairs = {{.block_a = "B1", .block_b = "B2", .num_matches = 9, .contradicts = true}}};
+  formats::WriteJoint(scratch_ / "joint.json", joint, kProvenance);
+  const CommandResult result = Run({"--joint", "joint.json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  ASSERT_TRUE(Certificate().joint);
+  EXPECT_EQ(Certificate().joint->blocks.at(0).max_shift, 0.004);
+  EXPECT_TRUE(Certificate().joint->pairs.at(0).contradicts);
+  formats::WriteFileAtomically(scratch_ / "joint.json", formats::ReadWholeFile(scratch_ / "joint.json").substr(0, 60));
+  const CommandResult cut_off = Run({"--joint", "joint.json"});
+  EXPECT_EQ(cut_off.status, 1);
+  EXPECT_NE(cut_off.err.find("joint.json: is not a joint.json"), std::string::npos) << cut_off.err;
 }
 
 TEST_F(CertifyStageTest, AClassThatIsNotMetIsAVerdictNotAFailure) {

@@ -391,7 +391,7 @@ CREATE TABLE features (
 constexpr std::string_view kGraphSchema = R"(
 CREATE TABLE poses (
   id INTEGER PRIMARY KEY CHECK (id >= 0),
-  scan INTEGER NOT NULL CHECK (scan >= -1),  -- -1: the submap of that id; submaps come first
+  scan INTEGER NOT NULL CHECK (scan >= -2),  -- -1: the submap of that id; -2, last: the site frame itself
   x REAL NOT NULL,      -- in the site frame: easting, m
   y REAL NOT NULL,      -- northing, m
   theta REAL NOT NULL   -- rad, from east towards north
@@ -427,6 +427,22 @@ CREATE TABLE edges (
   cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
   cov_yt REAL NOT NULL,
   cov_tt REAL NOT NULL CHECK (cov_tt >= 0)
+) STRICT;
+CREATE TABLE walls (
+  id INTEGER PRIMARY KEY CHECK (id >= 0),
+  relation TEXT NOT NULL CHECK (relation IN ('collinear', 'parallel', 'perpendicular')),
+  base INTEGER NOT NULL REFERENCES poses (id),
+  target INTEGER NOT NULL REFERENCES poses (id),
+  base_ax REAL NOT NULL,    -- ends of the wall in the frame of base: m
+  base_ay REAL NOT NULL,    -- m
+  base_bx REAL NOT NULL,    -- m
+  base_by REAL NOT NULL,    -- m
+  target_ax REAL NOT NULL,  -- in the frame of target
+  target_ay REAL NOT NULL,  -- m
+  target_bx REAL NOT NULL,  -- m
+  target_by REAL NOT NULL,  -- m
+  sigma_m REAL NOT NULL CHECK (sigma_m > 0),
+  sigma_rad REAL NOT NULL CHECK (sigma_rad > 0)
 ) STRICT;
 )";
 

@@ -11,8 +11,13 @@ namespace {
 using survey::EdgeKind;
 constexpr EdgeKind kEdgeKinds[] = {EdgeKind::kScanMatch, EdgeKind::kMotion, EdgeKind::kLoop, EdgeKind::kAnswer};
 
+constexpr survey::WallRelation kRelations[] = {survey::WallRelation::kCollinear, survey::WallRelation::kParallel,
+                                               survey::WallRelation::kPerpendicular};
+constexpr survey::ScanId kSubmap{-1};
+constexpr survey::ScanId kSite{-2};
+
 struct GraphPose {
-  survey::ScanId scan;  // -1: a submap
+  survey::ScanId scan;
   survey::Pose2 pose;
 };
 struct GraphPoint {
@@ -29,13 +34,18 @@ constexpr auto kMarkRow = [](auto& row, auto& id, auto& mark) {
 constexpr auto kEdgeRow = [](auto& row, auto& id, auto& edge) {
   row(id, Named(edge.kind, kEdgeKinds), edge.base, edge.target, edge.base_from_target, edge.covariance);
 };
+constexpr auto kWallRow = [](auto& row, auto& id, auto& edge) {
+  auto& walls = edge.walls;
+  row(id, Named(walls.relation, kRelations), edge.base, edge.target, walls.in_base.a, walls.in_base.b,
+      walls.in_target.a, walls.in_target.b, edge.sigma);
+};
 
-std::vector<GraphPose> PosesOf(const survey::BlockGraph& block) {
+std::vector<GraphPose> PosesOf(const survey::ControlledGraph& graph) {
+  const survey::BlockGraph& block = graph.block;
   std::vector<GraphPose> poses;
-  for (const survey::Pose2& pose : block.graph.poses) {
-    const std::size_t index = poses.size();
-    poses.push_back({index < block.num_submaps ? survey::ScanId{} : block.nodes[index - block.num_submaps], pose});
-  }
+  for (std::size_t i = 0; i < block.num_submaps; ++i) poses.push_back({kSubmap, block.graph.poses[i]});
+  for (const survey::ScanId node : block.nodes) poses.push_back({node, block.graph.poses[poses.size()]});
+  if (graph.site_pose) poses.push_back({kSite, block.graph.poses.back()});
   return poses;
 }
 
@@ -49,17 +59,18 @@ std::vector<GraphPoint> PointsOf(const survey::ControlledGraph& graph) {
   return points;
 }
 
-void TakePoses(const std::filesystem::path& file, const std::vector<GraphPose>& poses, survey::BlockGraph* block) {
+void TakePoses(const std::filesystem::path& file, const std::vector<GraphPose>& poses, survey::ControlledGraph* graph) {
+  survey::BlockGraph& block = graph->block;
   for (const GraphPose& pose : poses) {
-    const bool submap = pose.scan.value < 0;
-    const bool in_order = submap ? block->nodes.empty() : block->nodes.empty() || block->nodes.back() < pose.scan;
-    if (!in_order) throw DataError(file.string() + ": table poses: submaps must come first, then scans in order");
-    if (submap) {
-      ++block->num_submaps;
-    } else {
-      block->nodes.push_back(pose.scan);
-    }
-    block->graph.poses.push_back(pose.pose);
+    const bool first_of_kind = block.nodes.empty() && !graph->site_pose;
+    const bool in_order = pose.scan == kSubmap ? first_of_kind
+                          : pose.scan == kSite ? !graph->site_pose
+                                               : !graph->site_pose && (first_of_kind || block.nodes.back() < pose.scan);
+    if (!in_order) throw DataError(file.string() + ": table poses: submaps, then scans in order, then the site frame");
+    if (pose.scan == kSubmap) ++block.num_submaps;
+    if (pose.scan == kSite) graph->site_pose = static_cast<int>(block.graph.poses.size());
+    if (pose.scan.value >= 0) block.nodes.push_back(pose.scan);
+    block.graph.poses.push_back(pose.pose);
   }
 }
 
@@ -67,17 +78,18 @@ void TakePoses(const std::filesystem::path& file, const std::vector<GraphPose>& 
 
 void WriteGraph(const std::filesystem::path& file, const survey::ControlledGraph& graph, const Provenance& provenance) {
   ArtefactWriter writer(file, ArtefactKind::kGraph, provenance);
-  WriteRows(writer, "poses", PosesOf(graph.block), kPoseRow);
+  WriteRows(writer, "poses", PosesOf(graph), kPoseRow);
   WriteRows(writer, "points", PointsOf(graph), kPointRow);
   WriteRows(writer, "marks", graph.block.graph.marks, kMarkRow);
   WriteRows(writer, "edges", graph.block.graph.edges, kEdgeRow);
+  WriteRows(writer, "walls", graph.block.graph.walls, kWallRow);
   writer.Commit();
 }
 
 survey::ControlledGraph ReadGraph(const std::filesystem::path& file) {
   ArtefactReader reader(file, ArtefactKind::kGraph);
   survey::ControlledGraph graph;
-  TakePoses(file, ReadRows<GraphPose>(reader, "poses", kPoseRow), &graph.block);
+  TakePoses(file, ReadRows<GraphPose>(reader, "poses", kPoseRow), &graph);
   for (const GraphPoint& point : ReadRows<GraphPoint>(reader, "points", kPointRow)) {
     graph.block.graph.points.push_back(point.place);
     if (!point.name.empty()) graph.block.point_names.push_back(point.name);
@@ -85,6 +97,7 @@ survey::ControlledGraph ReadGraph(const std::filesystem::path& file) {
   }
   graph.block.graph.marks = ReadRows<survey::MarkEdge>(reader, "marks", kMarkRow);
   graph.block.graph.edges = ReadRows<survey::PoseEdge>(reader, "edges", kEdgeRow);
+  graph.block.graph.walls = ReadRows<survey::WallEdge>(reader, "walls", kWallRow);
   return graph;
 }
 

@@ -5,6 +5,7 @@
 // control points took part. Their given coordinates are not in it: the site's network gives them, once for all blocks.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,11 @@ namespace survey {
 
 struct ControlledGraph {
   BlockGraph block;                  // poses and points in the site frame, in the order of its adjustment
+  std::optional<int> site_pose;      // behind the nodes: the site frame itself, on which answers in that frame hang
   std::vector<std::string> control;  // points whose coordinates took part, ascending; empty: not tied
 };
 
 // `adjusted`: the graph as it was solved, with the coordinates that took part; plus `offset` it is in the site frame.
 ControlledGraph MakeControlledGraph(BlockGraph adjusted, const Eigen::Vector2d& offset);
-
-// All poses and points shifted.
-void Shift(const Eigen::Vector2d& shift, PoseGraph* graph);
 
 }  // namespace survey

@@ -92,25 +92,46 @@ class Site {
 
   void Append(std::size_t b) {
     const ControlledGraph& block = blocks_[b].graph;
-    if (graph_.poses.empty()) offset_ = block.block.graph.poses.front().Translation().array().round();
+    const PoseGraph& own = block.block.graph;
+    if (graph_.poses.empty()) offset_ = own.poses.front().Translation().array().round();
     const int first = static_cast<int>(graph_.poses.size());
     first_pose_[b] = first;
-    for (const Pose2& pose : block.block.graph.poses)
-      graph_.poses.push_back({pose.x - offset_.x(), pose.y - offset_.y(), pose.theta});
-    for (std::size_t p = 0; p < block.block.graph.points.size(); ++p) {
+    for (std::size_t i = 0; i < NumMoved(block); ++i)
+      graph_.poses.push_back({own.poses[i].x - offset_.x(), own.poses[i].y - offset_.y(), own.poses[i].theta});
+    for (std::size_t p = 0; p < own.points.size(); ++p) {
       point_of_[b].push_back(PlaceOfPoint(block, p));
-      graph_.points[Index(point_of_[b].back())] = block.block.graph.points[p] - offset_;
+      graph_.points[Index(point_of_[b].back())] = own.points[p] - offset_;
     }
-    for (MarkEdge mark : block.block.graph.marks) {
+    const auto place_of = [&](int pose) { return pose == block.site_pose ? SitePose() : first + pose; };
+    for (MarkEdge mark : own.marks) {
       mark.point = point_of_[b][Index(mark.point)];
       mark.pose += first;
       graph_.marks.push_back(mark);
     }
-    for (PoseEdge edge : block.block.graph.edges) {
-      edge.base += first;
-      edge.target += first;
+    for (PoseEdge edge : own.edges) {
+      edge.base = place_of(edge.base);
+      edge.target = place_of(edge.target);
       graph_.edges.push_back(edge);
     }
+    for (WallEdge edge : own.walls) {
+      edge.base += first;
+      edge.target += first;
+      graph_.walls.push_back(edge);
+    }
+  }
+
+  // Its submaps and nodes.
+  static std::size_t NumMoved(const ControlledGraph& block) {
+    return block.block.num_submaps + block.block.nodes.size();
+  }
+
+  // The site frame as a pose that is held, made when the first answer hangs on it.
+  int SitePose() {
+    if (!graph_.fixed_pose) {
+      graph_.fixed_pose = static_cast<int>(graph_.poses.size());
+      graph_.poses.push_back({-offset_.x(), -offset_.y(), 0.0});
+    }
+    return *graph_.fixed_pose;
   }
 
   int PlaceOfPoint(const ControlledGraph& block, std::size_t point) {
@@ -248,13 +269,14 @@ class Site {
       if (!Joined(b)) continue;
       PoseGraph& own = blocks_[b].graph.block.graph;
       blocks_[b].covariances.clear();
-      for (std::size_t i = 0; i < own.poses.size(); ++i) {
+      for (std::size_t i = 0; i < NumMoved(blocks_[b].graph); ++i) {
         const int pose = first_pose_[b] + static_cast<int>(i);
-        own.poses[i] = graph_.poses[Index(pose)];
+        const Pose2& moved = graph_.poses[Index(pose)];
+        own.poses[i] = {moved.x + offset_.x(), moved.y + offset_.y(), moved.theta};
         blocks_[b].covariances.push_back(covariance->OfPose(pose));
       }
-      for (std::size_t i = 0; i < own.points.size(); ++i) own.points[i] = graph_.points[Index(point_of_[b][i])];
-      Shift(offset_, &own);
+      for (std::size_t i = 0; i < own.points.size(); ++i)
+        own.points[i] = graph_.points[Index(point_of_[b][i])] + offset_;
     }
     return true;
   }

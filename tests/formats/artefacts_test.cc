@@ -257,6 +257,11 @@ TEST(Artefacts, GraphSurvives) {
     EXPECT_TRUE(Same(graph.edges[i].base_from_target, expected.edges[i].base_from_target));
     EXPECT_EQ(graph.edges[i].covariance, expected.edges[i].covariance);
   }
+  EXPECT_EQ(read.site_pose, 14);
+  ASSERT_EQ(graph.walls.size(), 1U);
+  EXPECT_EQ(graph.walls[0].walls.relation, survey::WallRelation::kParallel);
+  EXPECT_EQ(graph.walls[0].walls.in_target.b, expected.walls[0].walls.in_target.b);
+  EXPECT_EQ(graph.walls[0].sigma, expected.walls[0].sigma);
 }
 
 TEST(Artefacts, EmptyListsSurvive) {

@@ -203,6 +203,11 @@ survey::ControlledGraph RandomArtefacts::Graph(int num_nodes) {
     const auto kind = Coin() ? survey::EdgeKind::kMotion : survey::EdgeKind::kLoop;
     block.graph.edges.push_back({i - 1, i, Pose(), Covariance<3>(), false, kind});
   }
+  block.graph.walls = {
+      {2, 3, {survey::WallRelation::kParallel, {Vector2(), Vector2()}, {Vector2(), Vector2()}}, {0.1, 0.2}}};
+  result.site_pose = num_nodes + 2;
+  block.graph.poses.emplace_back();
+  block.graph.edges.push_back({num_nodes + 2, 4, Pose(), Covariance<3>(), false, survey::EdgeKind::kAnswer});
   return result;
 }
 

@@ -150,6 +150,23 @@ TEST(SiteAdjustmentTest, ABlockWithoutControlStaysAsItWas) {
   EXPECT_EQ(SquaredError(site.blocks[1], site.truth), before);
 }
 
+// What a person said of a scan's place in the site holds in the joint solution too.
+TEST(SiteAdjustmentTest, AnswersInTheSiteFrameStay) {
+  GarageSite site = MakeSite(11);
+  survey::ControlledGraph& first = site.blocks[0].graph;
+  first.site_pose = static_cast<int>(first.block.graph.poses.size());
+  const int target = 120;
+  first.block.graph.edges.push_back({*first.site_pose, target, site.truth[target],
+                                     Eigen::Vector3d(1e-8, 1e-8, 1e-10).asDiagonal(), false,
+                                     survey::EdgeKind::kAnswer});
+  first.block.graph.poses.emplace_back();
+  const SiteAdjustment adjustment = AdjustSite(site.control, kRobustScale, &site.blocks, Matches(site, 11));
+  ASSERT_TRUE(adjustment.usable) << adjustment.message;
+  EXPECT_LT((first.block.graph.poses[target].Translation() - site.truth[target].Translation()).norm(), 3e-4);
+  EXPECT_EQ(first.block.graph.poses.back().x, 0.0);
+  EXPECT_EQ(site.blocks[0].covariances.size() + 1, first.block.graph.poses.size());
+}
+
 // The solution follows its graph: scans between two nodes, marks and their residuals.
 TEST(SiteAdjustmentTest, SolutionFollowsTheGraph) {
   survey::Track track;

@@ -2,6 +2,7 @@
 #include "survey/graph/block_graph.h"
 
 #include <algorithm>
+#include <map>
 
 namespace survey {
 
@@ -12,19 +13,68 @@ int BlockGraph::PoseOf(ScanId node) const {
 
 namespace {
 
+// Nothing told where the scan lies but odometry or constant velocity.
+bool GoneBlind(const TrackedScan& scan) {
+  return !scan.matched &&
+         (scan.prediction == Prediction::kOdometry || scan.prediction == Prediction::kConstantVelocity);
+}
+
+// For each scan the number of blind stretches of more than a metre before it; -1 where it has no match itself.
+std::vector<int> PiecesBetweenBlindStretches(const Track& track) {
+  constexpr double kLongestBlind_m = 1.0;
+  std::vector<int> pieces;
+  int piece = 0;
+  double blind_m = 0.0;
+  for (const TrackedScan& scan : track.scans) {
+    if (GoneBlind(scan)) {
+      const Pose2& before = track.scans[pieces.empty() ? 0 : pieces.size() - 1].local_from_scan;
+      blind_m += (scan.local_from_scan.Translation() - before.Translation()).norm();
+      pieces.push_back(-1);
+      continue;
+    }
+    if (blind_m > kLongestBlind_m) ++piece;
+    blind_m = 0.0;
+    pieces.push_back(piece);
+  }
+  return pieces;
+}
+
+// A submap is rigid where matches hold it together. Of one that a blind stretch cuts the piece with the most nodes
+// stays; the motions hold the others. One without any match stays with its first node.
+std::vector<SubmapConstraint> HeldMemberships(const Track& track, const std::vector<SubmapConstraint>& memberships) {
+  const std::vector<int> pieces = PiecesBetweenBlindStretches(track);
+  const auto piece_of = [&](const SubmapConstraint& each) { return pieces[static_cast<std::size_t>(each.scan.value)]; };
+  std::vector<std::map<int, int>> counts(track.submaps.size());
+  std::vector<ScanId> first(track.submaps.size());
+  for (const SubmapConstraint& each : memberships) {
+    ScanId& of_submap = first[static_cast<std::size_t>(each.submap.value)];
+    if (of_submap.value < 0) of_submap = each.scan;
+    if (piece_of(each) >= 0) ++counts[static_cast<std::size_t>(each.submap.value)][piece_of(each)];
+  }
+  std::vector<SubmapConstraint> held;
+  for (const SubmapConstraint& each : memberships) {
+    const std::map<int, int>& nodes = counts[static_cast<std::size_t>(each.submap.value)];
+    const auto largest =
+        std::max_element(nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    const bool held_here = nodes.empty() ? each.scan == first[static_cast<std::size_t>(each.submap.value)]
+                                         : piece_of(each) == largest->first;
+    if (held_here) held.push_back(each);
+  }
+  return held;
+}
+
 // [CN] eq. (10) for the nodes in the submaps that they helped to draw. The errors of all nodes of a submap stem from
 // the same drawing and are far from independent: together they weigh as much as a few independent ones.
 void AddMemberships(const Track& track, BlockGraph* block) {
   constexpr double kIndependentNodes = 2.0;
-  const auto taken = [&](const SubmapConstraint& constraint) {
-    return std::binary_search(block->nodes.begin(), block->nodes.end(), constraint.scan);
-  };
+  std::vector<SubmapConstraint> memberships = track.constraints;
+  std::erase_if(memberships, [&](const SubmapConstraint& constraint) {
+    return !std::binary_search(block->nodes.begin(), block->nodes.end(), constraint.scan);
+  });
+  memberships = HeldMemberships(track, memberships);
   std::vector<int> count(track.submaps.size(), 0);
-  for (const SubmapConstraint& constraint : track.constraints) {
-    if (taken(constraint)) ++count[static_cast<std::size_t>(constraint.submap.value)];
-  }
-  for (const SubmapConstraint& constraint : track.constraints) {
-    if (!taken(constraint)) continue;
+  for (const SubmapConstraint& constraint : memberships) ++count[static_cast<std::size_t>(constraint.submap.value)];
+  for (const SubmapConstraint& constraint : memberships) {
     const double nodes = count[static_cast<std::size_t>(constraint.submap.value)];
     block->graph.edges.push_back({block->PoseOf(constraint.submap), block->PoseOf(constraint.scan),
                                   constraint.submap_from_scan,

@@ -129,6 +129,7 @@ std::optional<KindEvidence> TrackAlone(const PoseGraph& graph) {
     return edge.kind != EdgeKind::kScanMatch && edge.kind != EdgeKind::kMotion;
   });
   alone.marks.clear();
+  alone.walls.clear();
   alone.given.clear();
   alone.fixed_pose = 0;
   if (!Solve(&alone, {}).usable) return std::nullopt;

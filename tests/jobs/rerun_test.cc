@@ -123,7 +123,7 @@ TEST_F(RerunTest, JointAdjustment) {
   const auto apart = site_.Results();
   ReplaceInFile(site_ / "site.toml", "# joint = false", "joint = true");
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "B adjust", "B edit", "B grid", "certify",
-                                         "join", "network", "report", "stitch"}));
+                                         "join", "network", "report", "requests", "stitch"}));
   EXPECT_EQ(site_.StagesOfRun(), Stages{});
   const auto joint = nlohmann::json::parse(formats::ReadWholeFile(site_ / "out/certificate.json"))["joint"];
   EXPECT_EQ(joint["blocks"].size(), 2);
@@ -137,7 +137,7 @@ TEST_F(RerunTest, JointAdjustment) {
   ExpectJoinChecksItsInputs(site_);
   ReplaceInFile(site_ / "site.toml", "joint = true", "# joint = false");
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"A adjust", "A edit", "A grid", "B adjust", "B edit", "B grid", "certify",
-                                         "network", "report", "stitch"}));
+                                         "network", "report", "requests", "stitch"}));
   const auto back = site_.Results();
   for (const auto& [file, digest] : apart) EXPECT_EQ(back.at(file), digest) << file;
 }

@@ -31,7 +31,7 @@ void AddSubmap(int first, int end, Track* track) {
   for (int node = first; node < end; ++node) {
     submap.nodes.push_back({node});
     track->constraints.push_back(
-        {id, {node}, Between(pose(first), pose(node)), Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal()});
+        {id, {node}, Between(pose(first), pose(node)), Eigen::Vector3d(4e-4, 4e-4, 4e-5).asDiagonal()});
   }
   track->submaps.push_back(std::move(submap));
 }
@@ -43,7 +43,7 @@ Track DriftedTrack() {
     if (node > 0) pose = pose * Between(Truth(node - 1), Truth(node)) * Pose2{0, 0, kDrift_rad_per_node};
     track.scans.push_back({.scan = {node},
                            .local_from_scan = pose,
-                           .covariance = Eigen::Vector3d(1e-4, 1e-4, 1e-5).asDiagonal(),
+                           .covariance = Eigen::Vector3d(4e-4, 4e-4, 4e-5).asDiagonal(),
                            .matched = true,
                            .is_node = true});
   }

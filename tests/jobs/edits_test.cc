@@ -48,7 +48,7 @@ class EditsTest : public testing::Test {
 
 // The wall in the east of room A is drawn on the map; a point of its control moves by 2 cm.
 TEST_F(EditsTest, AnEditFollowsItsWallWhenControlChanges) {
-  const json wall = {{500103.0, 5600209.95}, {500106.0, 5600209.95}};
+  const json wall = {{500103.0, 5600209.85}, {500106.0, 5600209.85}};
   ASSERT_EQ(Draw({{"uid", "wall"}, {"kind", "line_occupied"}, {"width_m", 0.1}}, wall, "LineString").status, 0);
   ASSERT_EQ(Draw({{"uid", "plan"}, {"kind", "line_occupied"}, {"frame", "site"}}, wall, "LineString").status, 0);
   const formats::Ledger ledger = formats::ReadLedger(site_ / "edits/ledger.jsonl");

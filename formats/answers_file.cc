@@ -39,7 +39,7 @@ class AnswerReader {
   Answer Read() {
     try {
       document_ = json::parse(ReadWholeFile(file_));
-    } catch (const json::parse_error& error) {
+    } catch (const json::exception& error) {
       Fail(std::string("is not JSON: ") + error.what());
     }
     if (!document_.is_object()) Fail("expected an object");

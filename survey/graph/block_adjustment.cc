@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include "survey/graph/block_graph.h"
 #include "survey/graph/control_tie.h"
@@ -63,17 +62,6 @@ MotionInScan MotionOfTrack(const Track& track, const std::vector<StampNs>& stamp
     const Pose2 then = Interpolate(track.scans[j - 1].local_from_scan, track.scans[j].local_from_scan, fraction);
     return Between(track.scans[carrier].local_from_scan, then) * tracked.mark_in_scan - tracked.mark_in_scan;
   };
-}
-
-// Rows minus unknowns.
-int DegreesOfFreedom(const PoseGraph& graph) {
-  int dof = std::accumulate(graph.walls.begin(), graph.walls.end(), 0,
-                            [](int sum, const WallEdge& edge) { return sum + edge.walls.Rows(); });
-  dof += 3 * static_cast<int>(graph.edges.size()) + 2 * static_cast<int>(graph.marks.size()) -
-         3 * static_cast<int>(graph.poses.size()) - 2 * static_cast<int>(graph.points.size()) +
-         (graph.fixed_pose ? 3 : 0);
-  for (const GivenCoordinates& given : graph.given) dof += 2 * static_cast<int>(given.points.size());
-  return dof;
 }
 
 // Pose indices of the nodes whose covariances are wanted: every marked one and one per stretch of path.
@@ -256,9 +244,7 @@ class Adjuster {
     const std::string impossible = ProblemWithWalls(answers_, PosesOfAllScans(track_, block_, stamps_));
     if (!impossible.empty()) return Fail(impossible);
     first_answer_ = AddAnswers(track_, answers_, &block_);
-    if (!answers_.empty() && !SolveAgain()) return false;
-    alone_ = TrackAlone(block_.graph).value_or(KindEvidence{});
-    return true;
+    return answers_.empty() || SolveAgain();
   }
 
   bool SolveAgain() {
@@ -290,7 +276,7 @@ class Adjuster {
       tie_ = ShiftOntoPoint(*points_.front(), &block_);
       return;
     }
-    const double free_sigma_zero = Statistics(block_, summary_, alone_).sigma_zero;
+    const double free_sigma_zero = Statistics(block_, summary_, free_.alone).sigma_zero;
     FreezeRobustWeights(&block_.graph);
     tie_ = TieToControl(control_, options_.tie, free_.factors, MotionOfTrack(track_, stamps_), &block_);
     tie_.verdict.free_sigma_zero = free_sigma_zero;
@@ -330,10 +316,10 @@ class Adjuster {
     writer.Poses(stamps_);
     if (const auto covariance = GraphCovariance::Of(block_.graph)) {
       writer.Covariances(*covariance, options_.covariance_spacing_m);
-      solution.components = Components(block_.graph, alone_, *covariance, tie_.of_control);
+      solution.components = Components(block_.graph, free_.alone, *covariance, tie_.of_control);
     }
     writer.Marks(tie_.marks);
-    solution.statistics = Statistics(block_, summary_, alone_);
+    solution.statistics = Statistics(block_, summary_, free_.alone);
     solution.statistics.num_control_marks = static_cast<int>(
         std::count_if(solution.marks.begin(), solution.marks.end(), [](const SolvedMark& mark) { return mark.used; }));
     ReportAnswers();
@@ -359,7 +345,6 @@ class Adjuster {
   FreeSolution free_;
   PoseGraphSummary summary_;
   std::size_t first_answer_ = 0;
-  KindEvidence alone_;  // of the track, before others bent it
   ControlTie tie_;
   std::string message_;
   BlockAdjustment result_;

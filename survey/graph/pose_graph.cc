@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 #include <array>
+#include <numeric>
 
 #include "survey/graph/chordal_start.h"
 #include "survey/graph/graph_residuals.h"
@@ -185,6 +186,16 @@ PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options) {
   result.final_cost = summary.final_cost;
   unknowns.Write(graph);
   return result;
+}
+
+int DegreesOfFreedom(const PoseGraph& graph) {
+  int dof = std::accumulate(graph.walls.begin(), graph.walls.end(), 0,
+                            [](int sum, const WallEdge& edge) { return sum + edge.walls.Rows(); });
+  dof += 3 * static_cast<int>(graph.edges.size()) + 2 * static_cast<int>(graph.marks.size()) -
+         3 * static_cast<int>(graph.poses.size()) - 2 * static_cast<int>(graph.points.size()) +
+         (graph.fixed_pose ? 3 : 0);
+  for (const GivenCoordinates& given : graph.given) dof += 2 * static_cast<int>(given.points.size());
+  return dof;
 }
 
 double SquaredNormalisedResidual(const PoseEdge& edge, const std::vector<Pose2>& poses) {

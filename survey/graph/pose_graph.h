@@ -96,6 +96,9 @@ struct PoseGraphSummary {
 // Moves poses and points to the minimum.
 PoseGraphSummary Solve(PoseGraph* graph, const PoseGraphOptions& options);
 
+// Rows minus unknowns.
+int DegreesOfFreedom(const PoseGraph& graph);
+
 // Whitened residual of an edge, squared: chi-square with three degrees of freedom when the covariance is true.
 double SquaredNormalisedResidual(const PoseEdge& edge, const std::vector<Pose2>& poses);
 

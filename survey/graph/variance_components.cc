@@ -17,7 +17,6 @@ constexpr double kUsualRedundancy = 2.0;
 constexpr double kLeastFactor = 2e-3;  // sigmas of 1 : 20
 constexpr double kLargestFactor = 1e4;
 constexpr double kFarthestApart = 4.0;  // a kind's factor from that of both
-constexpr int kMaxCommonRounds = 4;
 constexpr int kMaxRounds = 10;
 constexpr double kConverged = 0.05;  // of the logarithm of a factor: far below its own sigma
 
@@ -28,11 +27,14 @@ struct NetworkEvidence {
   KindEvidence loops;
 };
 
-// By least squares: a loop beyond the critical value counts as if it reached it, the others in full.
-NetworkEvidence OfLoops(const PoseGraph& graph, const KindEvidence& alone) {
-  PoseGraph frozen = graph;
+// By least squares: a loop beyond the critical value counts as if it reached it, the others in full. The poses become
+// those of this solution.
+NetworkEvidence OfLoops(const KindEvidence& alone, PoseGraph* graph) {
+  PoseGraph frozen = *graph;
   FreezeRobustWeights(&frozen);
   if (!Solve(&frozen, {}).usable) return {};
+  graph->poses = frozen.poses;
+  graph->points = frozen.points;
   const auto covariance = GraphCovariance::Of(frozen);
   if (!covariance) return {};
   return {Beyond(EvidenceOf(frozen, *covariance, {EdgeKind::kScanMatch, EdgeKind::kMotion}), alone),
@@ -57,47 +59,62 @@ bool IsOne(double factor) { return std::abs(std::log(factor)) < kConverged; }
 class FactorSearch {
  public:
   FactorSearch(const PoseGraphOptions& options, PoseGraph* graph)
-      : options_(options), graph_(*graph), alone_(TrackAlone(*graph).value_or(KindEvidence{})) {}
+      : options_(options), graph_(*graph) {
+    result_.alone = TrackAlone(*graph).value_or(KindEvidence{});
+  }
 
   FreeSolution Run() {
     PoseGraphOptions first = options_;
     first.chordal_start = true;  // a long tour may have drifted far
     result_.summary = Solve(&graph_, first);
-    for (int round = 0; round < kMaxCommonRounds && result_.summary.usable; ++round) {
-      const KindEvidence both = Both(OfLoops(graph_, alone_));
-      result_.factors.told = both.redundancy >= kLeastRedundancy;
-      const double common = CommonFactor(both, result_.factors.track);
-      if (Apply(common, common)) break;
+    if (!result_.summary.usable) return result_;
+    // Twice: which loops are beyond the critical value depends on the factor.
+    NetworkEvidence evidence = ApplyCommon(OfLoops(result_.alone, &graph_));
+    if (std::min(evidence.track.redundancy, evidence.loops.redundancy) < kLeastRedundancy) {
+      ApplyCommon(evidence);
+    } else {
+      ApplyByKind(evidence);
     }
-    const double common = result_.factors.track;
-    for (int round = 0; round < kMaxRounds && result_.summary.usable; ++round) {
-      const NetworkEvidence evidence = OfLoops(graph_, alone_);
-      if (std::min(evidence.track.redundancy, evidence.loops.redundancy) < kLeastRedundancy) break;
-      const auto near = [&](double factor) {
-        return std::clamp(factor, common / kFarthestApart, common * kFarthestApart);
-      };
-      if (Apply(near(result_.factors.track * evidence.track.Factor()),
-                near(result_.factors.loops * evidence.loops.Factor())))
-        break;
-    }
+    result_.summary = Solve(&graph_, options_);
     return result_;
   }
 
  private:
-  // Puts the factors to these values and solves again; true when they hardly changed.
+  // One factor for both; what the residuals say then.
+  NetworkEvidence ApplyCommon(const NetworkEvidence& evidence) {
+    const KindEvidence both = Both(evidence);
+    result_.factors.told = both.redundancy >= kLeastRedundancy;
+    const double common = CommonFactor(both, result_.factors.track);
+    Apply(common, common);
+    return OfLoops(result_.alone, &graph_);
+  }
+
+  void ApplyByKind(NetworkEvidence evidence) {
+    const double common = result_.factors.track;
+    const auto near = [&](double factor) {
+      return std::clamp(factor, common / kFarthestApart, common * kFarthestApart);
+    };
+    for (int round = 0; round < kMaxRounds; ++round) {
+      if (Apply(near(result_.factors.track * evidence.track.Factor()),
+                near(result_.factors.loops * evidence.loops.Factor())))
+        return;
+      evidence = OfLoops(result_.alone, &graph_);
+      if (std::min(evidence.track.redundancy, evidence.loops.redundancy) < kLeastRedundancy) return;
+    }
+  }
+
+  // Puts the factors to these values; true when they hardly changed.
   bool Apply(double track, double loops) {
     const double by_track = track / result_.factors.track, by_loops = loops / result_.factors.loops;
     for (PoseEdge& edge : graph_.edges) edge.covariance *= IsLoop(edge) ? by_loops : by_track;
-    alone_.squares /= by_track;
+    result_.alone.squares /= by_track;
     result_.factors.track = track;
     result_.factors.loops = loops;
-    result_.summary = Solve(&graph_, options_);
     return IsOne(by_track) && IsOne(by_loops);
   }
 
   const PoseGraphOptions& options_;
   PoseGraph& graph_;
-  KindEvidence alone_;
   FreeSolution result_;
 };
 
@@ -129,13 +146,14 @@ std::optional<KindEvidence> TrackAlone(const PoseGraph& graph) {
     return edge.kind != EdgeKind::kScanMatch && edge.kind != EdgeKind::kMotion;
   });
   alone.marks.clear();
+  alone.points.clear();
   alone.walls.clear();
   alone.given.clear();
   alone.fixed_pose = 0;
   if (!Solve(&alone, {}).usable) return std::nullopt;
-  const auto covariance = GraphCovariance::Of(alone);
-  if (!covariance) return std::nullopt;
-  return EvidenceOf(alone, *covariance, {EdgeKind::kScanMatch, EdgeKind::kMotion});
+  KindEvidence evidence{.redundancy = static_cast<double>(DegreesOfFreedom(alone))};
+  for (const PoseEdge& edge : alone.edges) evidence.squares += SquaredNormalisedResidual(edge, alone.poses);
+  return evidence;
 }
 
 KindEvidence Beyond(const KindEvidence& track, const KindEvidence& alone) {

@@ -47,6 +47,7 @@ struct NetworkFactors {
 struct FreeSolution {
   PoseGraphSummary summary;
   NetworkFactors factors;  // applied to the covariances
+  KindEvidence alone;      // of the track, before others bent it
 };
 FreeSolution SolveFree(const PoseGraphOptions& options, PoseGraph* graph);
 

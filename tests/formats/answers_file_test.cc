@@ -98,6 +98,7 @@ TEST(ReadAnswers, RefusesWhatCannotBe) {
       has(MessageOf({Correct("3000", R"(, "sigma": [0.1, 0, 0.08])")}), "sigma = [0.1,0,0.08]: must be positive"));
   EXPECT_TRUE(has(MessageOf({Correct("1000")}), "must be an earlier scan"));
   EXPECT_TRUE(has(MessageOf({Correct("3000", R"(, "sgima": [1, 1, 1])")}), "unknown key \"sgima\""));
+  EXPECT_TRUE(has(MessageOf({Correct("3000", R"(, "sigma": [1e999, 1, 1])")}), "q1.json: is not JSON"));
   EXPECT_TRUE(has(MessageOf({R"({"schema": 1, "stamp_ns": 3000, "decision": "perhaps"})"}), "decision = \"perhaps\""));
   EXPECT_TRUE(has(MessageOf({R"({"schema": 1, "stamp_ns": 3000, "decision": "confirm"})"}), "ref is missing"));
   EXPECT_TRUE(has(MessageOf({R"({"schema": 1, "stamp_ns": 3000, "decision": "correct", "ref": {"stamp_ns": 1000},

@@ -79,10 +79,10 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(DeliveryChanges, control, blocks)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EditedBlock, block, num_edits, edited_cells, max_shift_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(EditSummary, num_edits, num_forbidden, num_masks, blocks, findings)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Statement, tested_on, num_points, asprs, nssda, meets, demonstrated)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, metric, class_m, tied, statement, points, control_adjustment,
-                                   control_remarks, blocks, fit, reliability, cross_validation, checks, points_test,
-                                   features_test, points_analysis, features_analysis, stitching, joint, since_delivery, edits,
-                                   not_tested)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Certificate, site, frame, metric, class_m, tied, statement, points,
+                                   control_adjustment, control_remarks, blocks, fit, reliability, cross_validation,
+                                   checks, points_test, features_test, points_analysis, features_analysis, stitching,
+                                   joint, since_delivery, edits, not_tested)
 
 }  // namespace survey
 

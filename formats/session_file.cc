@@ -28,7 +28,8 @@ constexpr auto kMarkRow = [](auto& row, auto& id, auto& mark) { row(id, mark.poi
 class StoredRanges : public survey::ScanRanges {
  public:
   explicit StoredRanges(const std::filesystem::path& file)
-      : database_(Database::OpenForReading(file)), select_(database_.Prepare("SELECT ranges FROM scans WHERE id = ?")) {}
+      : database_(Database::OpenForReading(file)),
+        select_(database_.Prepare("SELECT ranges FROM scans WHERE id = ?")) {}
 
   void Read(std::size_t scan, std::vector<float>* ranges_m) const override {
     const std::lock_guard lock(mutex_);

@@ -6,9 +6,9 @@
 
 #include "formats/artefacts.h"
 #include "formats/digest.h"
+#include "formats/feedback_files.h"
 #include "formats/field_csv.h"
 #include "formats/field_data.h"
-#include "formats/feedback_files.h"
 #include "pipeline/stage.h"
 #include "survey/edits/masked_beams.h"
 #include "survey/inertial/motion_checks.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// What people changed in the maps, as the certificate tells it. Features are measured in the maps as scanned, so that no
-// edit takes part in a test of accuracy.
+// What people changed in the maps, as the certificate tells it. Features are measured in the maps as scanned, so that
+// no edit takes part in a test of accuracy.
 #pragma once
 
 #include <cstdint>

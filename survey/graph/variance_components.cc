@@ -18,7 +18,8 @@ constexpr double kLeastFactor = 2e-3;  // sigmas of 1 : 20
 constexpr double kLargestFactor = 1e4;
 constexpr double kFarthestApart = 4.0;  // a kind's factor from that of both
 constexpr int kMaxRounds = 10;
-constexpr double kConverged = 0.05;  // of the logarithm of a factor: far below its own sigma
+constexpr int kEvidenceIterations = 5;  // poses are near the minimum already
+constexpr double kConverged = 0.05;     // of the logarithm of a factor: far below its own sigma
 
 bool IsLoop(const PoseEdge& edge) { return edge.kind == EdgeKind::kLoop; }
 
@@ -32,7 +33,7 @@ struct NetworkEvidence {
 NetworkEvidence OfLoops(const KindEvidence& alone, PoseGraph* graph) {
   PoseGraph frozen = *graph;
   FreezeRobustWeights(&frozen);
-  if (!Solve(&frozen, {}).usable) return {};
+  if (!Solve(&frozen, {.max_iterations = kEvidenceIterations}).usable) return {};
   graph->poses = frozen.poses;
   graph->points = frozen.points;
   const auto covariance = GraphCovariance::Of(frozen);
@@ -58,8 +59,7 @@ bool IsOne(double factor) { return std::abs(std::log(factor)) < kConverged; }
 
 class FactorSearch {
  public:
-  FactorSearch(const PoseGraphOptions& options, PoseGraph* graph)
-      : options_(options), graph_(*graph) {
+  FactorSearch(const PoseGraphOptions& options, PoseGraph* graph) : options_(options), graph_(*graph) {
     result_.alone = TrackAlone(*graph).value_or(KindEvidence{});
   }
 

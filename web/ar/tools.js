@@ -5,6 +5,7 @@
 import { additionOf, answerWithPose, poseOf } from "shared/decisions.js";
 
 const kLeastSigma_m = 0.01;
+const kLeastArrowSigma_m = 0.05; // a person does not outweigh control
 const kLineWidth_m = 0.1;
 const kPointsNeeded = { line: 2, region: 2, adjust: 2, pose: 2 };
 
@@ -98,12 +99,14 @@ export class ArTools {
     return this.#add({ type: "Polygon", coordinates: [closed(ring)] }, { kind: "forbidden" }, about);
   }
 
-  get sigma_m() {
-    return Math.max(kLeastSigma_m, Number(this.alignment.fit.rms.toFixed(4)));
+  #sigmaOf(kind) {
+    const least = kind === "adjust" ? kLeastArrowSigma_m : kLeastSigma_m;
+    return Math.max(least, Number(this.alignment.fit.rms.toFixed(4)));
   }
 
   #add(geometry, attributes, { operator, tool }) {
-    this.edits.push(additionOf(geometry, { ...attributes, frame: "site", sigma_m: this.sigma_m, who: operator, tool }));
+    const sigma_m = this.#sigmaOf(attributes.kind);
+    this.edits.push(additionOf(geometry, { ...attributes, frame: "site", sigma_m, who: operator, tool }));
     return `${attributes.kind}: ${this.edits.length} to send`;
   }
 

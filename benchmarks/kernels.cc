@@ -47,7 +47,7 @@ struct Scans {
       scans.push_back({.stamp_ns = i * std::int64_t{25'000'000},
                        .ranges_m = test_support::SimulateRanges(walls, PoseOfScan(i), geometry, kRangeSigma_m,
                                                                 static_cast<std::uint32_t>(i))});
-      projector.Project(scans.back(), {}, &points.emplace_back());
+      projector.Project(scans.back().geometry, scans.back().ranges_m, {}, &points.emplace_back());
     }
   }
 

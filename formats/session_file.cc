@@ -79,7 +79,7 @@ survey::Session ReadSession(const std::filesystem::path& file) {
     const int num_beams = session.geometries[static_cast<std::size_t>(scan.geometry)].num_beams;
     row.Require(scan.ranges_m.size() == static_cast<std::size_t>(num_beams),
                 "the number of ranges is not that of the geometry's beams");
-    scan.ranges_m = {};
+    scan.ranges_m = std::vector<float>();
   });
   session.ranges = std::make_shared<StoredRanges>(file);
   session.imu = ReadRows<survey::ImuSample>(reader, "imu", kImuRow);

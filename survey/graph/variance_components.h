@@ -28,8 +28,8 @@ struct KindEvidence {
 KindEvidence EvidenceOf(const PoseGraph& graph, const GraphCovariance& covariance,
                         std::initializer_list<EdgeKind> kinds);
 
-// What the track has in itself, without loops and answers. Empty where it does not hang together. Marks on one point
-// tie as loops do and are no part of it.
+// What the track has in itself, without loops and answers. Empty where it cannot be solved. Marks on one point tie as
+// loops do and are no part of it.
 std::optional<KindEvidence> TrackAlone(const PoseGraph& graph);
 
 // What others have bent the track by.

@@ -24,8 +24,6 @@ struct Member {
   std::string sha256;
 };
 
-std::string ShortId(const std::string& id) { return id.substr(0, 16); }
-
 // Every record that a record names as input must be there, and every record must be named or be the file's own.
 std::vector<std::string> ProblemsOfChain(const Provenance& provenance) {
   std::vector<std::string> problems;

@@ -23,8 +23,6 @@ constexpr double kMillimetres = 1000.0;
 
 std::string Mm(double metres) { return Number(kMillimetres * metres, "%.1f"); }
 
-std::string ShortId(const std::string& id) { return id.substr(0, 16); }
-
 void PrintProvenance(const Provenance& provenance, std::ostream& out) {
   for (const ProvenanceRecord& record : provenance.records) {
     out << (&record == &provenance.Own() ? "made by " : "from ") << record.stage << " " << record.version << ", record "

@@ -12,7 +12,6 @@ using survey::CheckAnalysis;
 using survey::CheckKind;
 using survey::ClassResult;
 
-constexpr const char* kDash = "&ndash;";
 constexpr int kFewestForPlot = 3;
 
 // What the statement was tested on: features where there are any.

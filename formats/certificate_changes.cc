@@ -9,8 +9,6 @@ namespace {
 using survey::ControlChange;
 using survey::PointFate;
 
-constexpr const char* kDash = "&ndash;";
-
 std::string FateText(const ControlChange& change) {
   switch (change.fate) {
     case PointFate::kMoved:

@@ -25,8 +25,6 @@ using survey::BlockCertificate;
 using survey::Certificate;
 using survey::ErrorStatistics;
 
-constexpr const char* kDash = "&ndash;";
-
 std::string Mm(const std::optional<double>& metres) { return metres ? Millimetres(*metres) : kDash; }
 
 std::string Coordinate(double metres) { return Fixed(metres, 3); }

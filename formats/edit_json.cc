@@ -233,11 +233,11 @@ class EditReader {
   const std::string& where_;
 };
 
-json ToJson(const Eigen::Vector2d& p) { return {Rounded(p.x()), Rounded(p.y())}; }
+json PlaceToJson(const Eigen::Vector2d& p) { return {Rounded(p.x()), Rounded(p.y())}; }
 
-json ToJson(const Points& points, bool closed) {
+json RingToJson(const Points& points, bool closed) {
   json array = json::array();
-  for (const Eigen::Vector2d& p : points) array.push_back(ToJson(p));
+  for (const Eigen::Vector2d& p : points) array.push_back(PlaceToJson(p));
   if (closed) array.push_back(array.front());
   return array;
 }
@@ -270,7 +270,7 @@ MapEdit EditFromJson(const json& object, const std::string& where) { return Edit
 
 json GeometryToJson(const MapEdit& edit) {
   const bool area = IsArea(edit.kind);
-  const auto part = [&](const Points& points) { return ToJson(points, area); };
+  const auto part = [&](const Points& points) { return RingToJson(points, area); };
   switch (edit.kind) {
     case EditKind::kCells:
       return {{"type", "MultiPolygon"},

@@ -10,6 +10,8 @@
 
 namespace formats {
 
+inline constexpr const char* kDash = "&ndash;";  // in a table: no such value
+
 std::string Escaped(std::string_view text);
 std::string Fixed(double value, int decimals);          // "-0.00" prints as "0.00"
 std::string Millimetres(double metres);                 // "12.3"

@@ -15,12 +15,12 @@ namespace formats {
 namespace {
 
 constexpr std::uint8_t kUnknown = 255;
-constexpr std::uint8_t kUnknownGrey = 236;
+constexpr std::uint8_t kPaperGrey = 236;
 
 // White is free, dark is occupied; anything less than clearly occupied stays light, so that lines drawn over the map
 // can be read.
 std::uint8_t Grey(std::uint8_t percent) {
-  if (percent == kUnknown) return kUnknownGrey;
+  if (percent == kUnknown) return kPaperGrey;
   if (percent <= 50) return 255;
   return static_cast<std::uint8_t>(255 - (percent - 50) * 4);
 }
@@ -76,7 +76,7 @@ MapThumbnail ReadMapThumbnail(const std::filesystem::path& file, int max_pixels)
   const int height = map.height();
   const int factor = (std::max(width, height) + max_pixels - 1) / max_pixels;
   // The most occupied cell of each square is what shows, so that thin walls survive.
-  cv::Mat picture((height + factor - 1) / factor, (width + factor - 1) / factor, CV_8UC1, cv::Scalar(kUnknownGrey));
+  cv::Mat picture((height + factor - 1) / factor, (width + factor - 1) / factor, CV_8UC1, cv::Scalar(kPaperGrey));
   std::vector<std::uint8_t> line(static_cast<std::size_t>(width));
   std::vector<int> most(static_cast<std::size_t>(picture.cols));
   for (int row = 0; row < height; ++row) {
@@ -90,7 +90,7 @@ MapThumbnail ReadMapThumbnail(const std::filesystem::path& file, int max_pixels)
     for (int column = 0; column < picture.cols; ++column) {
       const int percent = most[static_cast<std::size_t>(column)];
       picture.at<std::uint8_t>(row / factor, column) =
-          percent < 0 ? kUnknownGrey : Grey(static_cast<std::uint8_t>(percent));
+          percent < 0 ? kPaperGrey : Grey(static_cast<std::uint8_t>(percent));
     }
   }
   return Thumbnail(map, picture, 0, 0, factor);

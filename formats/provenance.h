@@ -14,6 +14,9 @@
 
 namespace formats {
 
+// As much of a record's id or a digest as people compare.
+inline std::string ShortId(const std::string& id) { return id.substr(0, 16); }
+
 // One input of a stage. `role` is the stage's word for it ("session", "control", "raw log field.log").
 struct ProvenanceInput {
   std::string role;

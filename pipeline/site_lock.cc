@@ -26,12 +26,6 @@ using formats::DataError;
 
 fs::path LockFile(const fs::path& site) { return site / "work" / ".lock"; }
 
-std::string HostName() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
-
 struct Holder {
   pid_t pid = 0;
   std::string host;
@@ -72,6 +66,12 @@ bool Acquire(int lock) {
 }
 
 }  // namespace
+
+std::string HostName() {
+  std::array<char, 256> name{};
+  gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
 
 void LockSiteUntilEndOf(const fs::path& site, pid_t make) {
   fs::create_directories(site / "work");

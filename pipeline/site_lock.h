@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <string>
 
 namespace pipeline {
 
@@ -13,5 +14,8 @@ void LockSiteUntilEndOf(const std::filesystem::path& site, pid_t make);
 
 // Whether somebody holds the lock just now.
 bool SiteIsLocked(const std::filesystem::path& site);
+
+// Of the machine that this runs on.
+std::string HostName();
 
 }  // namespace pipeline

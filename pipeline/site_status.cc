@@ -35,11 +35,6 @@ bool LogIsNewer(const fs::path& site, const StageRunInfo& run) {
   return !fs::exists(stamp) || fs::last_write_time(log) > fs::last_write_time(stamp);
 }
 
-std::string PaddedTo(std::size_t width, std::string text) {
-  text.resize(std::max(width, text.size()), ' ');
-  return text;
-}
-
 const char* Word(RunState state) {
   switch (state) {
     case RunState::kDone:

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "pipeline/nearest.h"
+#include "pipeline/words.h"
 
 namespace pipeline {
 namespace {
@@ -14,11 +15,6 @@ const std::set<std::string> kSiteKeys = {"crs", "cell-size-m", "accuracy-class-m
 
 std::string AsToml(const OptionInfo& option, const std::string& value) {
   return option.type == "string" ? "\"" + value + "\"" : value;
-}
-
-std::string PaddedTo(std::size_t width, std::string text) {
-  text.resize(std::max(width, text.size()), ' ');
-  return text;
 }
 
 std::string Explained(const OptionInfo& option) {

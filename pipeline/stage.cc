@@ -17,6 +17,7 @@
 
 #include "formats/digest.h"
 #include "pipeline/nearest.h"
+#include "pipeline/site_lock.h"
 #include "pipeline/stage_program.h"
 
 namespace pipeline {
@@ -61,12 +62,6 @@ std::string Today() {
 bool OneOfManyJobs() {
   const char* flags = std::getenv("MAKEFLAGS");
   return flags != nullptr && std::string_view(flags).find("--jobserver") != std::string_view::npos;
-}
-
-std::string HostName() {
-  char buffer[256] = "";
-  gethostname(buffer, sizeof buffer - 1);
-  return buffer;
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -12,6 +14,12 @@ namespace pipeline {
 inline std::vector<std::string> Words(const std::string& text) {
   std::istringstream in(text);
   return {std::istream_iterator<std::string>(in), {}};
+}
+
+// With blanks behind it, for columns of text.
+inline std::string PaddedTo(std::size_t width, std::string text) {
+  text.resize(std::max(width, text.size()), ' ');
+  return text;
 }
 
 }  // namespace pipeline

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
+#include "survey/geometry/segment.h"
+
 namespace survey {
 namespace {
 
 constexpr double kFewestInQuadrant = 0.2;
-
-double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double DistanceToNearest(const Eigen::Vector2d& place, std::span<const Eigen::Vector2d> points) {
   double nearest = std::numeric_limits<double>::max();

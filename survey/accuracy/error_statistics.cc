@@ -12,7 +12,6 @@
 namespace survey {
 namespace {
 
-constexpr double kNssdaFactor = 1.7308;        // [NSSDA] 2.4477 / sqrt(2)
 constexpr double kNmadFactor = 1.4826;         // 1 / normal quantile of 0.75
 constexpr double kBlunderFactor = 3.0;         // [ASPRS24] section 7.2
 constexpr double kLargestBiasFraction = 0.25;  // [ASPRS24] section 7.2

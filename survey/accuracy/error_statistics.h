@@ -13,6 +13,9 @@
 
 namespace survey {
 
+// Radius that holds 95 % of circular errors over their RMSE in one direction: 2.4477 / sqrt(2) [NSSDA].
+inline constexpr double kNssdaFactor = 1.7308;
+
 // One error at one check. Several errors may belong to one point (seen in two blocks, occupied twice): they are not
 // independent, so the degrees of freedom count points.
 struct PositionError {

@@ -3,12 +3,13 @@
 
 #include <cstdio>
 
+#include "survey/accuracy/error_statistics.h"
+
 namespace survey {
 namespace {
 
 constexpr int kAsprsMinimum = 30;  // [ASPRS24] section 7.13
 constexpr int kNssdaMinimum = 20;
-constexpr double kNssdaFactor = 1.7308;
 constexpr const char* kStandard =
     "ASPRS Positional Accuracy Standards for Digital Geospatial Data, Edition 2, Version 2 (2024)";
 

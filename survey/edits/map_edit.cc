@@ -5,20 +5,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "survey/geometry/segment.h"
+
 namespace survey {
 namespace {
 
 using Eigen::Vector2d;
 using Ring = std::vector<Vector2d>;
-
-double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double DistanceToSegment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double length2 = along.squaredNorm();
-  const double t = length2 > 0 ? std::clamp((p - a).dot(along) / length2, 0.0, 1.0) : 0.0;
-  return (p - a - t * along).norm();
-}
 
 bool IsOnLine(const MapEdit& edit, double half_width, const Vector2d& p) {
   for (const Ring& line : edit.parts) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "survey/features/face_lines.h"
+#include "survey/features/feature.h"
 
 namespace survey {
 namespace {
@@ -25,15 +26,13 @@ double GapTo(const FaceLine& line, double along) { return std::max({0.0, line.be
 // The part of a face on the longer side of a place.
 double ReachBeyond(const FaceLine& line, double along) { return std::max(line.end - along, along - line.begin); }
 
-constexpr double kMinSine = 0.5;  // faces must meet at 30 to 150 degrees
-
 std::vector<Corner> CornersOf(const std::vector<FaceLine>& lines, const LocateOptions& options) {
   std::vector<Corner> corners;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t j = i + 1; j < lines.size(); ++j) {
       Eigen::Matrix2d normals;
       normals << lines[i].normal.transpose(), lines[j].normal.transpose();
-      if (std::abs(normals.determinant()) < kMinSine) continue;
+      if (std::abs(normals.determinant()) < kMinSineOfCorner) continue;
       const Eigen::Matrix2d inverse = normals.inverse();
       const Vector2d p = inverse * Vector2d(lines[i].offset, lines[j].offset);
       bool meets = p.norm() <= options.search_radius_m;

@@ -10,6 +10,9 @@
 
 namespace survey {
 
+// Faces of a corner meet at 30 to 150 degrees.
+inline constexpr double kMinSineOfCorner = 0.5;
+
 enum class FeatureKind { kCorner, kPillar };
 
 constexpr std::string_view Name(FeatureKind kind) {

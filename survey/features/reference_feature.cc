@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "survey/accuracy/moments.h"
+#include "survey/features/feature.h"
 #include "survey/geometry/principal_axes.h"
 #include "survey/stats/philox.h"
 
@@ -18,7 +19,6 @@ using Eigen::Vector2d;
 
 constexpr std::uint64_t kSamples = 300;
 constexpr int kMaxLines = 8;
-constexpr double kMinSine = 0.5;  // faces must meet at 30 to 150 degrees
 constexpr double kParallelSine = 0.1;
 constexpr double kGap_m = 0.05;  // from the end of a face to the corner
 constexpr double kMinFace_m = 0.12;
@@ -71,7 +71,7 @@ std::vector<Vector2d> BestLine(const std::vector<Vector2d>& points, double toler
 double DistanceTo(const PointLine& line, const Vector2d& p) { return std::abs(line.normal.dot(p - line.middle)); }
 
 bool Meet(const PointLine& a, const PointLine& b) {
-  return std::abs(a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x()) >= kMinSine;
+  return std::abs(a.normal.x() * b.normal.y() - a.normal.y() * b.normal.x()) >= kMinSineOfCorner;
 }
 
 // Each face fitted anew to points that no other face could have drawn: those about a corner would tilt it.
@@ -104,19 +104,19 @@ std::vector<PointLine> FindLines(const std::vector<Vector2d>& all, const Referen
   return lines;
 }
 
-struct Crossing {
+struct PointCrossing {
   Vector2d p;
   Eigen::Matrix2d covariance;
 };
 
-std::optional<Crossing> Cross(const PointLine& a, const PointLine& b) {
+std::optional<PointCrossing> Cross(const PointLine& a, const PointLine& b) {
   if (!Meet(a, b)) return std::nullopt;
   Eigen::Matrix2d normals;
   normals << a.normal.transpose(), b.normal.transpose();
   const Eigen::Matrix2d inverse = normals.inverse();
   const Vector2d p = inverse * Vector2d(a.normal.dot(a.middle), b.normal.dot(b.middle));
   const Vector2d variances(a.sigma * a.sigma, b.sigma * b.sigma);
-  return Crossing{p, inverse * variances.asDiagonal() * inverse.transpose()};
+  return PointCrossing{p, inverse * variances.asDiagonal() * inverse.transpose()};
 }
 
 bool ReachesTo(const PointLine& line, const Vector2d& p) {
@@ -124,10 +124,10 @@ bool ReachesTo(const PointLine& line, const Vector2d& p) {
 }
 
 // Places relative to the rough one.
-void TakeNearest(std::vector<Crossing> candidates, const std::string& none, const ReferenceFeatureOptions& options,
+void TakeNearest(std::vector<PointCrossing> candidates, const std::string& none, const ReferenceFeatureOptions& options,
                  const Vector2d& rough, MapFeature* feature) {
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Crossing& a, const Crossing& b) { return a.p.norm() < b.p.norm(); });
+                   [](const PointCrossing& a, const PointCrossing& b) { return a.p.norm() < b.p.norm(); });
   if (candidates.empty() || candidates.front().p.norm() > options.search_radius_m) {
     feature->reason = none;
   } else if (candidates.size() > 1 && candidates[1].p.norm() - candidates[0].p.norm() < kDistinct_m) {
@@ -139,11 +139,11 @@ void TakeNearest(std::vector<Crossing> candidates, const std::string& none, cons
   }
 }
 
-std::vector<Crossing> Corners(const std::vector<PointLine>& lines) {
-  std::vector<Crossing> corners;
+std::vector<PointCrossing> Corners(const std::vector<PointLine>& lines) {
+  std::vector<PointCrossing> corners;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t j = i + 1; j < lines.size(); ++j) {
-      const std::optional<Crossing> crossing = Cross(lines[i], lines[j]);
+      const std::optional<PointCrossing> crossing = Cross(lines[i], lines[j]);
       if (crossing && ReachesTo(lines[i], crossing->p) && ReachesTo(lines[j], crossing->p))
         corners.push_back(*crossing);
     }
@@ -160,24 +160,24 @@ std::optional<PointLine> Between(const PointLine& a, const PointLine& b) {
   return PointLine{0.5 * (a.middle + b.middle), a.normal, a.half_length, 0.5 * std::hypot(a.sigma, b.sigma)};
 }
 
-std::vector<Crossing> SquareCentres(const std::vector<PointLine>& lines) {
+std::vector<PointCrossing> SquareCentres(const std::vector<PointLine>& lines) {
   std::vector<PointLine> axes;
   for (std::size_t i = 0; i < lines.size(); ++i) {
     for (std::size_t j = i + 1; j < lines.size(); ++j) {
       if (const std::optional<PointLine> axis = Between(lines[i], lines[j])) axes.push_back(*axis);
     }
   }
-  std::vector<Crossing> centres;
+  std::vector<PointCrossing> centres;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     for (std::size_t j = i + 1; j < axes.size(); ++j) {
-      if (const std::optional<Crossing> crossing = Cross(axes[i], axes[j])) centres.push_back(*crossing);
+      if (const std::optional<PointCrossing> crossing = Cross(axes[i], axes[j])) centres.push_back(*crossing);
     }
   }
   return centres;
 }
 
 // |p|^2 = 2 c.p + k by least squares, on points that lie near the circle of most of them.
-std::optional<Crossing> RoundCentre(const std::vector<Vector2d>& points, const ReferenceFeatureOptions& options) {
+std::optional<PointCrossing> RoundCentre(const std::vector<Vector2d>& points, const ReferenceFeatureOptions& options) {
   if (static_cast<int>(points.size()) < 2 * options.min_points) return std::nullopt;
   Eigen::MatrixX3d rows(static_cast<Eigen::Index>(points.size()), 3);
   Eigen::VectorXd right(rows.rows());
@@ -195,7 +195,7 @@ std::optional<Crossing> RoundCentre(const std::vector<Vector2d>& points, const R
   const double rms = std::sqrt(squares / static_cast<double>(points.size()));
   if (!(radius < 1.0) || rms > options.tolerance_m) return std::nullopt;
   const double variance = 2.0 * rms * rms / static_cast<double>(points.size());
-  return Crossing{centre, Eigen::Matrix2d::Identity() * variance};
+  return PointCrossing{centre, Eigen::Matrix2d::Identity() * variance};
 }
 
 }  // namespace
@@ -218,7 +218,7 @@ MapFeature LocateInReference(std::span<const Vector2d> points, const NamedFeatur
     TakeNearest(Corners(lines), "no two faces meet near", options, wanted.position_in_site, &feature);
     return feature;
   }
-  const std::optional<Crossing> round = RoundCentre(near, options);
+  const std::optional<PointCrossing> round = RoundCentre(near, options);
   TakeNearest(round ? std::vector{*round} : SquareCentres(lines), "neither a circle nor four faces are seen", options,
               wanted.position_in_site, &feature);
   return feature;

@@ -38,7 +38,7 @@ class Matcher {
     const std::vector<Candidate> nodes = SpacedCandidates();
     for (std::size_t s = 0; s < submaps.size(); ++s) {
       candidates[s] = Near(submaps[s], nodes);
-      for (const Candidate& candidate : candidates[s]) wanted[Index(candidate.scan)] = true;
+      for (const Candidate& candidate : candidates[s]) wanted[IndexOf(candidate.scan)] = true;
     }
     Prepare(wanted);
     std::vector<std::vector<Loop>> of_submap(submaps.size());
@@ -50,8 +50,7 @@ class Matcher {
   }
 
  private:
-  static std::size_t Index(ScanId scan) { return static_cast<std::size_t>(scan.value); }
-  const Pose2& PoseInSite(ScanId scan) const { return second_.track->scans[Index(scan)].local_from_scan; }
+  const Pose2& PoseInSite(ScanId scan) const { return second_.track->scans[IndexOf(scan)].local_from_scan; }
 
   std::vector<Candidate> SpacedCandidates() const {
     std::vector<Candidate> nodes;
@@ -70,7 +69,7 @@ class Matcher {
     std::vector<Eigen::Vector2d> places;
     const std::size_t every = 1 + submap.nodes.size() / kPlacesOfSubmap;
     for (std::size_t i = 0; i < submap.nodes.size(); i += every)
-      places.push_back(first_.track->scans[Index(submap.nodes[i])].local_from_scan.Translation());
+      places.push_back(first_.track->scans[IndexOf(submap.nodes[i])].local_from_scan.Translation());
     std::vector<Candidate> near;
     for (const Candidate& candidate : nodes) {
       const Eigen::Vector2d place = PoseInSite(candidate.scan).Translation();
@@ -108,7 +107,7 @@ class Matcher {
   }
 
   std::optional<Loop> MatchScanTo(const Submap& submap, const Place& place, ScanId scan) const {
-    const PlaceScan& points = prepared_[Index(scan)];
+    const PlaceScan& points = prepared_[IndexOf(scan)];
     const Pose2 predicted = Between(submap.local_from_submap, PoseInSite(scan));
     const Eigen::Vector3d sigmas(kStartSigma_m, kStartSigma_m, kStartSigma_rad);
     const MatchResult match = place.Match(points, predicted, predicted, sigmas.cwiseAbs2().asDiagonal());

@@ -6,7 +6,6 @@
 namespace survey {
 namespace {
 
-constexpr double kChiSquare3 = 16.27;   // 99.9 %, three degrees of freedom
 constexpr double kNeighbours_m = 25.0;  // loops this close along the track must agree
 
 // Whether two loops place two nodes as the track does, within what it may have drifted between them.

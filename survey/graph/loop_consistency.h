@@ -12,6 +12,9 @@
 
 namespace survey {
 
+// Of a squared normalised residual with three degrees of freedom, 99.9 %.
+inline constexpr double kChiSquare3 = 16.27;
+
 // How far the track may have drifted over a way: sigmas per metre and per root of a metre.
 struct DriftRates {
   double m_per_m = 0.01;

@@ -17,7 +17,6 @@
 namespace survey {
 namespace {
 
-constexpr double kChiSquare3 = 16.27;        // 99.9 %, three degrees of freedom
 constexpr int kMaxClosingRounds = 3;         // before the last one
 constexpr double kClosingSpacing_m = 4.0;    // between nodes that are searched while loops are being closed
 constexpr double kNarrow_m = 0.5;            // windows up to here are in the reach of a match ...

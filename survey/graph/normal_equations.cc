@@ -8,8 +8,6 @@
 namespace survey {
 namespace {
 
-std::size_t Index(int value) { return static_cast<std::size_t>(value); }
-
 // Sums up the equations block by block; a negative place is held: nothing is added there.
 class Sum {
  public:
@@ -61,14 +59,14 @@ int NumberColumns(const PoseGraph& graph, NormalEquations* equations) {
   int columns = 0;
   equations->column_of_pose.assign(graph.poses.size(), -1);
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {
-    if (graph.fixed_pose && Index(*graph.fixed_pose) == i) continue;
+    if (graph.fixed_pose && IndexOf(*graph.fixed_pose) == i) continue;
     equations->column_of_pose[i] = columns;
     columns += 3;
   }
   std::vector<bool> observed(graph.points.size(), false);
-  for (const MarkEdge& mark : graph.marks) observed[Index(mark.point)] = true;
+  for (const MarkEdge& mark : graph.marks) observed[IndexOf(mark.point)] = true;
   for (const GivenCoordinates& given : graph.given) {
-    for (const int point : given.points) observed[Index(point)] = true;
+    for (const int point : given.points) observed[IndexOf(point)] = true;
   }
   equations->column_of_point.assign(graph.points.size(), -1);
   for (std::size_t i = 0; i < graph.points.size(); ++i) {
@@ -83,14 +81,14 @@ void AddGiven(const PoseGraph& graph, const GivenCoordinates& given, const std::
   const Eigen::MatrixXd weight = given.covariance.inverse();
   Eigen::VectorXd error = -given.coordinates;
   for (std::size_t k = 0; k < given.points.size(); ++k)
-    error.segment<2>(2 * static_cast<Eigen::Index>(k)) += graph.points[Index(given.points[k])];
+    error.segment<2>(2 * static_cast<Eigen::Index>(k)) += graph.points[IndexOf(given.points[k])];
   const Eigen::VectorXd pull = weight * error;
   for (std::size_t k = 0; k < given.points.size(); ++k) {
     const Eigen::Index row = 2 * static_cast<Eigen::Index>(k);
-    const int point = column_of[Index(given.points[k])];
+    const int point = column_of[IndexOf(given.points[k])];
     sum->AddRight(point, -pull.segment<2>(row));
     for (std::size_t l = 0; l <= k; ++l) {
-      sum->Add(point, column_of[Index(given.points[l])], weight.block<2, 2>(row, 2 * static_cast<Eigen::Index>(l)));
+      sum->Add(point, column_of[IndexOf(given.points[l])], weight.block<2, 2>(row, 2 * static_cast<Eigen::Index>(l)));
     }
   }
 }
@@ -102,22 +100,24 @@ NormalEquations FormNormalEquations(const PoseGraph& graph) {
   Sum sum(NumberColumns(graph, &equations));
   for (const PoseEdge& edge : graph.edges) {
     const RelativePoseResidual r =
-        EvaluateRelativePose(graph.poses[Index(edge.base)], graph.poses[Index(edge.target)], edge.base_from_target);
-    sum.AddObservation(equations.column_of_pose[Index(edge.base)], r.d_base,
-                       equations.column_of_pose[Index(edge.target)], r.d_target,
+        EvaluateRelativePose(graph.poses[IndexOf(edge.base)], graph.poses[IndexOf(edge.target)], edge.base_from_target);
+    sum.AddObservation(equations.column_of_pose[IndexOf(edge.base)], r.d_base,
+                       equations.column_of_pose[IndexOf(edge.target)], r.d_target,
                        Eigen::Matrix3d(edge.covariance.inverse()), r.error);
   }
   for (const MarkEdge& mark : graph.marks) {
-    const MarkResidual r = EvaluateMark(graph.poses[Index(mark.pose)], graph.points[Index(mark.point)], mark.p_in_pose);
-    sum.AddObservation(equations.column_of_pose[Index(mark.pose)], r.d_pose,
-                       equations.column_of_point[Index(mark.point)], r.d_point,
+    const MarkResidual r =
+        EvaluateMark(graph.poses[IndexOf(mark.pose)], graph.points[IndexOf(mark.point)], mark.p_in_pose);
+    sum.AddObservation(equations.column_of_pose[IndexOf(mark.pose)], r.d_pose,
+                       equations.column_of_point[IndexOf(mark.point)], r.d_point,
                        Eigen::Matrix2d(mark.covariance.inverse()), r.error);
   }
   for (const WallEdge& edge : graph.walls) {
-    const WallResidual r = EvaluateWalls(edge.walls, graph.poses[Index(edge.base)], graph.poses[Index(edge.target)]);
+    const WallResidual r =
+        EvaluateWalls(edge.walls, graph.poses[IndexOf(edge.base)], graph.poses[IndexOf(edge.target)]);
     const Eigen::Matrix2d weight = edge.sigma.cwiseAbs2().cwiseInverse().asDiagonal();
-    sum.AddObservation(equations.column_of_pose[Index(edge.base)], r.d_base,
-                       equations.column_of_pose[Index(edge.target)], r.d_target, weight, r.error);
+    sum.AddObservation(equations.column_of_pose[IndexOf(edge.base)], r.d_base,
+                       equations.column_of_pose[IndexOf(edge.target)], r.d_target, weight, r.error);
   }
   for (const GivenCoordinates& given : graph.given) AddGiven(graph, given, equations.column_of_point, &sum);
   sum.MoveTo(&equations);

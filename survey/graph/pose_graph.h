@@ -5,6 +5,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -32,6 +33,9 @@ constexpr std::string_view Name(EdgeKind kind) {
   }
   return "";
 }
+
+/// Of a pose or point among those of its graph.
+inline std::size_t IndexOf(int value) { return static_cast<std::size_t>(value); }
 
 // [CN] eq. (10): measured pose of `target` in the frame of `base`.
 struct PoseEdge {

@@ -11,12 +11,12 @@
 #include "survey/graph/given_control.h"
 #include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
+#include "survey/graph/loop_consistency.h"
 #include "survey/graph/variance_components.h"
 
 namespace survey {
 namespace {
 
-constexpr double kChiSquare3 = 16.27;              // 99.9 %, three degrees of freedom
 constexpr double kIndependentMatches = 2.0;        // in one submap, whose own errors all of them share
 constexpr int kFactorRounds = 3;                   // of the variance factor and the solution
 const Eigen::Vector3d kBending(1e-4, 1e-4, 1e-6);  // of submap and scan in their blocks: m2, m2, rad2
@@ -37,8 +37,6 @@ double FactorOfMatches(const PoseGraph& graph, double robust_scale) {
   }
   return matches.redundancy >= kLeastRedundancy ? matches.Factor() : 1.0;
 }
-
-std::size_t Index(int value) { return static_cast<std::size_t>(value); }
 
 // A match as an edge of the site's graph.
 struct MatchEdge {
@@ -100,11 +98,11 @@ class Site {
       graph_.poses.push_back({own.poses[i].x - offset_.x(), own.poses[i].y - offset_.y(), own.poses[i].theta});
     for (std::size_t p = 0; p < own.points.size(); ++p) {
       point_of_[b].push_back(PlaceOfPoint(block, p));
-      graph_.points[Index(point_of_[b].back())] = own.points[p] - offset_;
+      graph_.points[IndexOf(point_of_[b].back())] = own.points[p] - offset_;
     }
     const auto place_of = [&](int pose) { return pose == block.site_pose ? SitePose() : first + pose; };
     for (MarkEdge mark : own.marks) {
-      mark.point = point_of_[b][Index(mark.point)];
+      mark.point = point_of_[b][IndexOf(mark.point)];
       mark.pose += first;
       graph_.marks.push_back(mark);
     }
@@ -209,7 +207,7 @@ class Site {
   }
 
   RelativePoseResidual ResidualOf(const PoseEdge& edge) const {
-    return EvaluateRelativePose(graph_.poses[Index(edge.base)], graph_.poses[Index(edge.target)],
+    return EvaluateRelativePose(graph_.poses[IndexOf(edge.base)], graph_.poses[IndexOf(edge.target)],
                                 edge.base_from_target);
   }
   Eigen::Vector3d ErrorOf(const PoseEdge& edge) const { return ResidualOf(edge).error; }
@@ -271,12 +269,12 @@ class Site {
       blocks_[b].covariances.clear();
       for (std::size_t i = 0; i < NumMoved(blocks_[b].graph); ++i) {
         const int pose = first_pose_[b] + static_cast<int>(i);
-        const Pose2& moved = graph_.poses[Index(pose)];
+        const Pose2& moved = graph_.poses[IndexOf(pose)];
         own.poses[i] = {moved.x + offset_.x(), moved.y + offset_.y(), moved.theta};
         blocks_[b].covariances.push_back(covariance->OfPose(pose));
       }
       for (std::size_t i = 0; i < own.points.size(); ++i)
-        own.points[i] = graph_.points[Index(point_of_[b][i])] + offset_;
+        own.points[i] = graph_.points[IndexOf(point_of_[b][i])] + offset_;
     }
     return true;
   }
@@ -318,10 +316,10 @@ void MoveMarks(const SiteBlock& block, Solution* solution) {
   for (std::size_t i = 0; i < solution->marks.size(); ++i) {
     SolvedMark& mark = solution->marks[i];
     const MarkEdge& edge = graph.marks[i];
-    const Pose2& pose = graph.poses[Index(edge.pose)];
+    const Pose2& pose = graph.poses[IndexOf(edge.pose)];
     const Eigen::Vector2d given = mark.position_in_site - mark.residual;
     mark.position_in_site = pose * edge.p_in_pose;
-    mark.covariance = CovarianceOfMark(edge, pose, block.covariances[Index(edge.pose)]);
+    mark.covariance = CovarianceOfMark(edge, pose, block.covariances[IndexOf(edge.pose)]);
     if (mark.used || !mark.left_out.empty()) mark.residual = mark.position_in_site - given;
   }
 }
@@ -339,9 +337,9 @@ JointBlock MoveSolution(const SiteBlock& block, const Track& track, const std::v
   JointBlock report{.name = block.name, .sigma_before = MeanSigma(*solution)};
   MoveScans(PosesOfAllScans(track, graph, stamps), solution, &report);
   for (SolvedSubmap& submap : solution->submaps)
-    submap.site_from_submap = graph.graph.poses[Index(graph.PoseOf(submap.id))];
+    submap.site_from_submap = graph.graph.poses[IndexOf(graph.PoseOf(submap.id))];
   for (NodeCovariance& node : solution->covariances)
-    node.covariance = block.covariances[Index(graph.PoseOf(node.scan))];
+    node.covariance = block.covariances[IndexOf(graph.PoseOf(node.scan))];
   MoveMarks(block, solution);
   report.sigma_after = MeanSigma(*solution);
   return report;

@@ -36,8 +36,6 @@ Earth WithUprightRotation(const Earth& earth) {
   return upright;
 }
 
-Vector3d Lever(const Pose2& body_from_frame) { return {body_from_frame.x, body_from_frame.y, 0.0}; }
-
 }  // namespace
 
 InertialState Plus(const InertialState& state, const ErrorVector& error) {
@@ -143,7 +141,7 @@ bool ErrorStateFilter::Update(const Design& design, const Residual& residual, co
 Eigen::Matrix<double, 3, 15> PlanarPoseDesign(const InertialState& state, const Pose2& body_from_frame) {
   Eigen::Matrix<double, 3, 15> design = Eigen::Matrix<double, 3, 15>::Zero();
   design.block<2, 2>(0, kP).setIdentity();
-  design.block<2, 3>(0, kPsi) = -Cross(state.local_from_body * Lever(body_from_frame)).topRows<2>();
+  design.block<2, 3>(0, kPsi) = -Cross(state.local_from_body * LeverArm(body_from_frame)).topRows<2>();
   const Vector3d ahead = state.local_from_body * Vector3d::UnitX();
   const double slope = ahead.z() / ahead.head<2>().squaredNorm();
   design.block<1, 3>(2, kPsi) = Vector3d(-slope * ahead.x(), -slope * ahead.y(), 1.0).transpose();
@@ -152,7 +150,7 @@ Eigen::Matrix<double, 3, 15> PlanarPoseDesign(const InertialState& state, const 
 
 bool ErrorStateFilter::UpdatePlanarPose(const Pose2& local_from_frame, const Matrix3d& covariance,
                                         const Pose2& body_from_frame) {
-  const Vector3d place = state_.p_in_local + state_.local_from_body * Lever(body_from_frame);
+  const Vector3d place = state_.p_in_local + state_.local_from_body * LeverArm(body_from_frame);
   const double heading = HeadingOf(state_.local_from_body) + body_from_frame.theta;
   const Vector3d residual(local_from_frame.x - place.x(), local_from_frame.y - place.y(),
                           NormalizeAngle(local_from_frame.theta - heading));

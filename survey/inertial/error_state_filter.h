@@ -33,6 +33,9 @@ using ErrorMatrix = Eigen::Matrix<double, 15, 15>;
 InertialState Plus(const InertialState& state, const ErrorVector& error);
 ErrorVector Minus(const InertialState& to, const InertialState& from);
 
+// From the body's origin to that of a frame mounted on it, in the body, m.
+inline Eigen::Vector3d LeverArm(const Pose2& body_from_frame) { return {body_from_frame.x, body_from_frame.y, 0.0}; }
+
 double HeadingOf(const Eigen::Quaterniond& local_from_body);
 // Body in the plane.
 Pose2 PlanarPose(const InertialState& state);

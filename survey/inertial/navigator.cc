@@ -19,8 +19,6 @@ constexpr double kMaxOdometryGap_s = 0.5;
 
 double Square(double x) { return x * x; }
 
-Vector3d Lever(const Pose2& body_from_lidar) { return {body_from_lidar.x, body_from_lidar.y, 0.0}; }
-
 ErrorMatrix StartCovariance(double tilt_sigma, double velocity_sigma, double gyro_sigma, double accelerometer_sigma,
                             const Matrix3d& pose) {
   ErrorMatrix covariance = ErrorMatrix::Zero();
@@ -80,7 +78,7 @@ ImuSample InertialNavigator::SampleAt(StampNs stamp_ns) const {
 
 Pose2 InertialNavigator::LidarPose(const InertialState& state) const {
   const Pose2& mounting = session_.setup.body_from_lidar;
-  const Vector3d place = state.p_in_local + state.local_from_body * Lever(mounting);
+  const Vector3d place = state.p_in_local + state.local_from_body * LeverArm(mounting);
   return {place.x(), place.y(), NormalizeAngle(HeadingOf(state.local_from_body) + mounting.theta)};
 }
 
@@ -126,7 +124,7 @@ Twist2 InertialNavigator::LidarTwist(StampNs stamp_ns) const {
   }
   const Vector3d rate = sum / count - state.gyro_bias;
   const Pose2& mounting = session_.setup.body_from_lidar;
-  const Vector3d velocity = state.local_from_body.conjugate() * state.v_in_local + rate.cross(Lever(mounting));
+  const Vector3d velocity = state.local_from_body.conjugate() * state.v_in_local + rate.cross(LeverArm(mounting));
   const Eigen::Vector2d v = Rotation2(-mounting.theta) * velocity.head<2>();
   return {v.x(), v.y(), rate.z()};
 }
@@ -190,7 +188,7 @@ void InertialNavigator::Start(StampNs stamp_ns, const ScanObservation& observati
   state.local_from_body = Eigen::Quaterniond(Eigen::AngleAxisd(body.theta, Vector3d::UnitZ())) * here->level_from_body;
   const Eigen::Vector2d v_lidar =
       Rotation2(observation.local_from_scan.theta) * Eigen::Vector2d(observation.twist.vx, observation.twist.vy);
-  const Vector3d offset = state.local_from_body * Lever(mounting);
+  const Vector3d offset = state.local_from_body * LeverArm(mounting);
   state.p_in_local = Vector3d(observation.local_from_scan.x, observation.local_from_scan.y, 0.0) -
                      Vector3d(offset.x(), offset.y(), 0.0);
   state.v_in_local = Vector3d(v_lidar.x(), v_lidar.y(), 0.0) -

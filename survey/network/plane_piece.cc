@@ -4,6 +4,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "survey/geometry/segment.h"
+
 namespace survey {
 namespace {
 
@@ -14,8 +16,6 @@ constexpr double kSharpestCut = 0.03;  // sine of the angle at which two rays ma
 Vector2d Towards(double azimuth) { return {std::sin(azimuth), std::cos(azimuth)}; }
 
 double Azimuth(const Vector2d& from, const Vector2d& to) { return std::atan2(to.x() - from.x(), to.y() - from.y()); }
-
-double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Least-squares similarity (or rigid motion) from pairs.
 struct Similarity {

@@ -25,9 +25,6 @@ double DriftOf(Prediction prediction) {
   }
 }
 
-std::size_t Index(ScanId scan) { return static_cast<std::size_t>(scan.value); }
-ScanId IdOf(std::size_t scan) { return {static_cast<int>(scan)}; }
-
 class Finder {
  public:
   explicit Finder(const BlockEvidence& evidence) : evidence_(evidence) {}
@@ -45,11 +42,11 @@ class Finder {
 
  private:
   const std::vector<TrackedScan>& Scans() const { return evidence_.track.scans; }
-  const Pose2& Estimate(ScanId scan) const { return evidence_.solution.scans[Index(scan)].site_from_scan; }
+  const Pose2& Estimate(ScanId scan) const { return evidence_.solution.scans[IndexOf(scan)].site_from_scan; }
 
   // The scans without a match that a request speaks of: it stands at the first of them or behind the last.
   ScanRange Unmatched(ScanId at) const {
-    std::size_t first = Index(at);
+    std::size_t first = IndexOf(at);
     std::size_t last = first;
     if (Scans()[first].matched && first > 0 && !Scans()[first - 1].matched) last = --first;
     while (first > 0 && !Scans()[first - 1].matched) --first;
@@ -59,7 +56,7 @@ class Finder {
 
   double DriftOver(const ScanRange& stretch) const {
     double drift = 0.0;
-    for (std::size_t i = std::max<std::size_t>(Index(stretch.first), 1); i <= Index(stretch.last); ++i) {
+    for (std::size_t i = std::max<std::size_t>(IndexOf(stretch.first), 1); i <= IndexOf(stretch.last); ++i) {
       const Pose2 step = Between(Scans()[i - 1].local_from_scan, Scans()[i].local_from_scan);
       if (!Scans()[i].matched) drift += DriftOf(Scans()[i].prediction) * step.Translation().norm();
     }
@@ -84,7 +81,7 @@ class Finder {
 
   // As the track has the other pose against that of the scan.
   Pose2 InSite(ScanId scan, const Pose2& local_from_other) const {
-    return Estimate(scan) * Between(Scans()[Index(scan)].local_from_scan, local_from_other);
+    return Estimate(scan) * Between(Scans()[IndexOf(scan)].local_from_scan, local_from_other);
   }
 
   void AddLoop(const Loop& loop) {
@@ -131,7 +128,7 @@ class Finder {
     std::snprintf(text, sizeof text, "of %d wall cells that two passes saw one looked through %.0f %%",
                   conflict.walls.compared, 100.0 * conflict.walls.Share());
     doubts_.push_back({.cause = "contradiction",
-                       .scan = IdOf((Index(conflict.first) + Index(conflict.last)) / 2),
+                       .scan = IdOf((IndexOf(conflict.first) + IndexOf(conflict.last)) / 2),
                        .stretch = {conflict.first, conflict.last},
                        .size_m = conflict.walls.Share(),
                        .message = text,

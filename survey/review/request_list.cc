@@ -13,9 +13,6 @@ constexpr std::size_t kMostModes = 3;
 constexpr double kSameMode_m = 0.2;
 constexpr double kSameMode_rad = 0.1;
 
-std::size_t Index(ScanId scan) { return static_cast<std::size_t>(scan.value); }
-ScanId IdOf(std::size_t scan) { return {static_cast<int>(scan)}; }
-
 std::vector<double> WayOf(const std::vector<SolvedScan>& scans) {
   std::vector<double> way(scans.size(), 0.0);
   for (std::size_t i = 1; i < scans.size(); ++i) {
@@ -50,8 +47,8 @@ class RequestMaker {
   }
 
  private:
-  const Pose2& Estimate(ScanId scan) const { return solution_.scans[Index(scan)].site_from_scan; }
-  double Way(ScanId scan) const { return way_[Index(scan)]; }
+  const Pose2& Estimate(ScanId scan) const { return solution_.scans[IndexOf(scan)].site_from_scan; }
+  double Way(ScanId scan) const { return way_[IndexOf(scan)]; }
 
   static ScanRange StretchOf(const std::vector<const Doubt*>& doubts) {
     ScanRange stretch = doubts.front()->stretch;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "survey/geometry/segment.h"
 #include "survey/stats/philox.h"
 
 namespace survey {
@@ -18,7 +19,6 @@ constexpr double kStallDepth = 5.0;
 
 Vector2d Unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
 Vector2d Left(const Vector2d& v) { return {-v.y(), v.x()}; }
-double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 using Quad = std::array<Vector2d, 4>;
 
@@ -46,12 +46,6 @@ std::vector<Quad> BoxesOf(const Wall& wall) {
     boxes.push_back(Box((a + b) / 2, forward, (b - a).norm() / 2, half));
   }
   return boxes;
-}
-
-double DistanceToSegment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d d = b - a;
-  const double fraction = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-  return (a + fraction * d - p).norm();
 }
 
 // Separating axes of two boxes.

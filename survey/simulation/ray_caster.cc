@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "survey/geometry/segment.h"
+
 namespace survey {
 namespace {
 
 using Eigen::Vector2d;
 
 constexpr double kCell = 1.0;
-constexpr double kNever = std::numeric_limits<double>::infinity();
-
-double Cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // Ray origin + t direction meets a + s d: t, or infinity when they miss each other.
 double RangeToSegment(const Vector2d& origin, const Vector2d& direction, const Vector2d& a, const Vector2d& d) {
@@ -24,11 +23,6 @@ double RangeToSegment(const Vector2d& origin, const Vector2d& direction, const V
   if (denominator == 0) return kNever;
   const double t = Cross(to_a, d) / denominator;
   return t > 0 ? t : kNever;
-}
-
-double DistanceToSegment(const Vector2d& p, const Vector2d& a, const Vector2d& d) {
-  const double fraction = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-  return (a + fraction * d - p).norm();
 }
 
 struct Extent {
@@ -193,9 +187,10 @@ double RayCaster::Clearance(const Vector2d& position, double reach_m) const {
       const Cell& cell = cells_[Index(column, row)];
       const Cell& next = cells_[Index(column, row) + 1];
       for (std::uint32_t i = cell.segments; i < next.segments; ++i)
-        nearest = std::min(nearest, DistanceToSegment(position, segments_[i].a, segments_[i].d));
+        nearest = std::min(nearest, DistanceToSegment(position, segments_[i].a, segments_[i].a + segments_[i].d));
       for (std::uint32_t i = cell.panes; i < next.panes; ++i)
-        nearest = std::min(nearest, DistanceToSegment(position, panes_[i].segment.a, panes_[i].segment.d));
+        nearest = std::min(nearest,
+                           DistanceToSegment(position, panes_[i].segment.a, panes_[i].segment.a + panes_[i].segment.d));
       for (std::uint32_t i = cell.discs; i < next.discs; ++i)
         nearest = std::min(nearest, std::max(0.0, (position - discs_[i].centre).norm() - discs_[i].radius_m));
     }

@@ -14,14 +14,17 @@
 
 namespace survey {
 
+// Range of a ray that meets nothing.
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
+
 struct PaneHit {
   double range_m;
   double response;
 };
 
 struct RayHit {
-  double range_m = std::numeric_limits<double>::infinity();  // to the nearest opaque shape; infinity: none in reach
-  int num_panes = 0;                                         // panes before it, nearest first (at most four are kept)
+  double range_m = kNever;  // to the nearest opaque shape; infinity: none in reach
+  int num_panes = 0;        // panes before it, nearest first (at most four are kept)
   std::array<PaneHit, 4> panes;
 };
 

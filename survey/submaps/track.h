@@ -21,6 +21,10 @@ struct ScanId {
   auto operator<=>(const ScanId&) const = default;
 };
 
+/// Of a scan among those of its session, and back.
+inline std::size_t IndexOf(ScanId scan) { return static_cast<std::size_t>(scan.value); }
+inline ScanId IdOf(std::size_t scan) { return {static_cast<int>(scan)}; }
+
 struct SubmapId {
   int value = -1;
   auto operator<=>(const SubmapId&) const = default;

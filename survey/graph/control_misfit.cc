@@ -115,25 +115,27 @@ std::optional<ControlMisfit> MisfitOfControl(const PoseGraph& graph, const std::
   Eigen::MatrixXd by_pose = Eigen::MatrixXd::Zero(equations.right.size(), 2 * misfit.size());  // J'
   for (Index i = 0; i < misfit.size(); ++i) {
     const MarkEdge& mark = graph.marks[static_cast<std::size_t>(misfit.marks[static_cast<std::size_t>(i)])];
-    const int column = equations.column_of_pose[static_cast<std::size_t>(mark.pose)];
+    const int column = equations.columns.of_pose[static_cast<std::size_t>(mark.pose)];
     if (column >= 0) by_pose.block<3, 2>(column, 2 * i) = PlaceByPose(graph, mark).transpose();
   }
   const Eigen::MatrixXd spread = factor.solve(by_pose);  // N^-1 J'
-  misfit.of_network = by_pose.transpose() * spread;
   const Eigen::VectorXd step = spread.transpose() * equations.right;
+  misfit.of_network = Eigen::MatrixXd::Zero(2 * misfit.size(), 2 * misfit.size());
 
   std::vector<Eigen::Vector2d> places_now;
   misfit.misfit.resize(2 * misfit.size());
   for (Index i = 0; i < misfit.size(); ++i) {
     const MarkEdge& mark = graph.marks[static_cast<std::size_t>(misfit.marks[static_cast<std::size_t>(i)])];
     places_now.push_back(PoseOf(graph, mark) * mark.p_in_pose);
+    const int column = equations.columns.of_pose[static_cast<std::size_t>(mark.pose)];
+    if (column >= 0) misfit.of_network.middleRows<2>(2 * i) = PlaceByPose(graph, mark) * spread.middleRows<3>(column);
     misfit.misfit.segment<2>(2 * i) =
         misfit.given[static_cast<std::size_t>(i)] - places_now.back() - step.segment<2>(2 * i);
   }
   FillDatum(graph, places_now, &misfit);
   misfit.poses_with_marks = Eigen::MatrixXd::Zero(2 * static_cast<Index>(graph.poses.size()), 2 * misfit.size());
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {
-    const int column = equations.column_of_pose[i];
+    const int column = equations.columns.of_pose[i];
     if (column >= 0) misfit.poses_with_marks.middleRows<2>(2 * static_cast<Index>(i)) = spread.middleRows<2>(column);
   }
   return misfit;

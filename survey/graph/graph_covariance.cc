@@ -4,7 +4,6 @@
 #include <Eigen/Cholesky>
 
 #include "survey/graph/graph_residuals.h"
-#include "survey/graph/normal_equations.h"
 
 namespace survey {
 namespace {
@@ -19,14 +18,15 @@ RelativePoseResidual Residual(const PoseGraph& graph, const PoseEdge& edge) {
 
 std::optional<GraphCovariance> GraphCovariance::Of(const PoseGraph& graph) {
   NormalEquations equations = FormNormalEquations(graph);
-  std::optional<SelectedInverse> inverse = SelectedInverse::Of(equations.lower);
+  const SparseFactor factor(equations.lower);
+  std::optional<SelectedInverse> inverse = SelectedInverse::Of(equations.lower, factor);
   if (!inverse) return std::nullopt;
-  return GraphCovariance(graph, std::move(equations.column_of_pose), *std::move(inverse));
+  return GraphCovariance(graph, std::move(equations.columns), *std::move(inverse), factor.solve(equations.right));
 }
 
 Eigen::Matrix3d GraphCovariance::Between(int pose, int other) const {
-  const int row = column_of_[static_cast<std::size_t>(pose)];
-  const int column = column_of_[static_cast<std::size_t>(other)];
+  const int row = columns_.of_pose[static_cast<std::size_t>(pose)];
+  const int column = columns_.of_pose[static_cast<std::size_t>(other)];
   if (row < 0 || column < 0) return Eigen::Matrix3d::Zero();
   return inverse_.Block<3, 3>(row, column);
 }
@@ -40,6 +40,18 @@ double GraphCovariance::RedundancyOf(const PoseEdge& edge) const {
                                       r.d_target * OfPose(edge.target) * r.d_target.transpose() + cross +
                                       cross.transpose();
   return 3.0 - edge.covariance.llt().solve(of_adjusted).trace();
+}
+
+void GraphCovariance::TakeStep(PoseGraph* graph) const {
+  for (std::size_t i = 0; i < graph->poses.size(); ++i) {
+    const int column = columns_.of_pose[i];
+    if (column < 0) continue;
+    Pose2& pose = graph->poses[i];
+    pose = {pose.x + step_(column), pose.y + step_(column + 1), NormalizeAngle(pose.theta + step_(column + 2))};
+  }
+  for (std::size_t i = 0; i < graph->points.size(); ++i) {
+    if (columns_.of_point[i] >= 0) graph->points[i] += step_.segment<2>(columns_.of_point[i]);
+  }
 }
 
 Eigen::Matrix2d CovarianceOfMark(const MarkEdge& mark, const Pose2& pose, const Eigen::Matrix3d& covariance) {

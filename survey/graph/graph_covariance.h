@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "survey/graph/normal_equations.h"
 #include "survey/graph/pose_graph.h"
 #include "survey/graph/selected_inverse.h"
 
@@ -25,15 +26,19 @@ class GraphCovariance {
   // error) to 1, summed over the edge. [Baarda68]: the trace of I - A Q A' P.
   double RedundancyOf(const PoseEdge& edge) const;
 
+  // Moves a copy of the graph by the Gauss-Newton step that the same factorisation gives: near the minimum, to it.
+  void TakeStep(PoseGraph* graph) const;
+
  private:
-  GraphCovariance(const PoseGraph& graph, std::vector<int> column_of, SelectedInverse inverse)
-      : graph_(&graph), column_of_(std::move(column_of)), inverse_(std::move(inverse)) {}
+  GraphCovariance(const PoseGraph& graph, NormalColumns columns, SelectedInverse inverse, Eigen::VectorXd step)
+      : graph_(&graph), columns_(std::move(columns)), inverse_(std::move(inverse)), step_(std::move(step)) {}
 
   Eigen::Matrix3d Between(int pose, int other) const;
 
   const PoseGraph* graph_;  // must outlive this
-  std::vector<int> column_of_;
+  NormalColumns columns_;
   SelectedInverse inverse_;
+  Eigen::VectorXd step_;
 };
 
 // Of a marked place in the graph's frame: the covariance of its pose carried through the lever arm, and the centring.

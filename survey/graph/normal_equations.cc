@@ -8,15 +8,17 @@
 namespace survey {
 namespace {
 
+
 // Sums up the equations block by block; a negative place is held: nothing is added there.
 class Sum {
  public:
   explicit Sum(int columns) : right_(Eigen::VectorXd::Zero(columns)) {}
 
-  // Adds block to (row, column) and, outside the diagonal, means its transpose too.
+  // Adds a block to (row, column) and, outside the diagonal, means its transpose too.
   template <typename Block>
-  void Add(int row, int column, const Block& block) {
+  void Add(int row, int column, const Block& expression) {
     if (row < 0 || column < 0) return;
+    const auto block = expression.eval();
     for (int i = 0; i < static_cast<int>(block.rows()); ++i) {
       for (int j = 0; j < static_cast<int>(block.cols()); ++j) {
         if (row != column && row < column) {
@@ -57,10 +59,10 @@ class Sum {
 // Gives the unknowns their columns; returns how many there are.
 int NumberColumns(const PoseGraph& graph, NormalEquations* equations) {
   int columns = 0;
-  equations->column_of_pose.assign(graph.poses.size(), -1);
+  equations->columns.of_pose.assign(graph.poses.size(), -1);
   for (std::size_t i = 0; i < graph.poses.size(); ++i) {
     if (graph.fixed_pose && IndexOf(*graph.fixed_pose) == i) continue;
-    equations->column_of_pose[i] = columns;
+    equations->columns.of_pose[i] = columns;
     columns += 3;
   }
   std::vector<bool> observed(graph.points.size(), false);
@@ -68,10 +70,10 @@ int NumberColumns(const PoseGraph& graph, NormalEquations* equations) {
   for (const GivenCoordinates& given : graph.given) {
     for (const int point : given.points) observed[IndexOf(point)] = true;
   }
-  equations->column_of_point.assign(graph.points.size(), -1);
+  equations->columns.of_point.assign(graph.points.size(), -1);
   for (std::size_t i = 0; i < graph.points.size(); ++i) {
     if (!observed[i]) continue;
-    equations->column_of_point[i] = columns;
+    equations->columns.of_point[i] = columns;
     columns += 2;
   }
   return columns;
@@ -101,25 +103,23 @@ NormalEquations FormNormalEquations(const PoseGraph& graph) {
   for (const PoseEdge& edge : graph.edges) {
     const RelativePoseResidual r =
         EvaluateRelativePose(graph.poses[IndexOf(edge.base)], graph.poses[IndexOf(edge.target)], edge.base_from_target);
-    sum.AddObservation(equations.column_of_pose[IndexOf(edge.base)], r.d_base,
-                       equations.column_of_pose[IndexOf(edge.target)], r.d_target,
+    sum.AddObservation(equations.columns.of_pose[IndexOf(edge.base)], r.d_base,
+                       equations.columns.of_pose[IndexOf(edge.target)], r.d_target,
                        Eigen::Matrix3d(edge.covariance.inverse()), r.error);
   }
   for (const MarkEdge& mark : graph.marks) {
-    const MarkResidual r =
-        EvaluateMark(graph.poses[IndexOf(mark.pose)], graph.points[IndexOf(mark.point)], mark.p_in_pose);
-    sum.AddObservation(equations.column_of_pose[IndexOf(mark.pose)], r.d_pose,
-                       equations.column_of_point[IndexOf(mark.point)], r.d_point,
+    const MarkResidual r = EvaluateMark(graph.poses[IndexOf(mark.pose)], graph.points[IndexOf(mark.point)], mark.p_in_pose);
+    sum.AddObservation(equations.columns.of_pose[IndexOf(mark.pose)], r.d_pose,
+                       equations.columns.of_point[IndexOf(mark.point)], r.d_point,
                        Eigen::Matrix2d(mark.covariance.inverse()), r.error);
   }
   for (const WallEdge& edge : graph.walls) {
-    const WallResidual r =
-        EvaluateWalls(edge.walls, graph.poses[IndexOf(edge.base)], graph.poses[IndexOf(edge.target)]);
+    const WallResidual r = EvaluateWalls(edge.walls, graph.poses[IndexOf(edge.base)], graph.poses[IndexOf(edge.target)]);
     const Eigen::Matrix2d weight = edge.sigma.cwiseAbs2().cwiseInverse().asDiagonal();
-    sum.AddObservation(equations.column_of_pose[IndexOf(edge.base)], r.d_base,
-                       equations.column_of_pose[IndexOf(edge.target)], r.d_target, weight, r.error);
+    sum.AddObservation(equations.columns.of_pose[IndexOf(edge.base)], r.d_base,
+                       equations.columns.of_pose[IndexOf(edge.target)], r.d_target, weight, r.error);
   }
-  for (const GivenCoordinates& given : graph.given) AddGiven(graph, given, equations.column_of_point, &sum);
+  for (const GivenCoordinates& given : graph.given) AddGiven(graph, given, equations.columns.of_point, &sum);
   sum.MoveTo(&equations);
   return equations;
 }

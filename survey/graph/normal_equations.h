@@ -13,9 +13,14 @@
 
 namespace survey {
 
+// First columns of the unknowns.
+struct NormalColumns {
+  std::vector<int> of_pose;   // -1: the pose is held
+  std::vector<int> of_point;  // -1: nothing observes the point
+};
+
 struct NormalEquations {
-  std::vector<int> column_of_pose;    // first column; -1: the pose is held
-  std::vector<int> column_of_point;   // -1: nothing observes the point
+  NormalColumns columns;
   Eigen::SparseMatrix<double> lower;  // lower triangle of N
   Eigen::VectorXd right;              // b
 };

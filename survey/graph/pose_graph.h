@@ -86,6 +86,7 @@ struct PoseGraph {
 struct PoseGraphOptions {
   double robust_scale = 2.0;  // in sigmas: beyond, a robust edge loses weight (Cauchy)
   int max_iterations = 100;
+  double negligible_cost = 0.0;  // ends after a step that lowers the cost by less
   bool chordal_start = false;  // also try ChordalStart and begin from whichever costs less: where poses may be far off
 };
 

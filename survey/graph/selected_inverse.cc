@@ -8,9 +8,9 @@ namespace survey {
 // With A = L D L' and Z = A^-1: Z = D^-1 L^-1 + (I - L') Z. Below the diagonal of column j this reads
 // z_ij = -sum_k z_ik l_kj over the rows k of column j of L, on the diagonal z_jj = 1 / d_j - sum_k z_kj l_kj; all z_ik
 // that occur lie in columns behind j and where L is not zero. So the columns follow from the last to the first.
-std::optional<SelectedInverse> SelectedInverse::Of(const Eigen::SparseMatrix<double>& lower) {
+std::optional<SelectedInverse> SelectedInverse::Of(const Eigen::SparseMatrix<double>& lower,
+                                                   const SparseFactor& factor) {
   constexpr double kSmallestPivot = 1e-13;  // of the matrix's own diagonal: below, rounding is all that is left
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(lower);
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::VectorXd pivots = factor.vectorD();
   const auto& permutation = factor.permutationP().indices();
@@ -65,6 +65,10 @@ std::optional<SelectedInverse> SelectedInverse::Of(const Eigen::SparseMatrix<dou
     inverse.diagonal_[static_cast<std::size_t>(j)] = diagonal;
   }
   return inverse;
+}
+
+std::optional<SelectedInverse> SelectedInverse::Of(const Eigen::SparseMatrix<double>& lower) {
+  return Of(lower, SparseFactor(lower));
 }
 
 double SelectedInverse::operator()(int row, int column) const {

@@ -13,10 +13,14 @@
 
 namespace survey {
 
+using SparseFactor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
+
 class SelectedInverse {
  public:
   // `lower`: the lower triangle of the matrix. Empty when it is not positive definite.
   static std::optional<SelectedInverse> Of(const Eigen::SparseMatrix<double>& lower);
+  // The same with the factorisation of `lower` that the caller has.
+  static std::optional<SelectedInverse> Of(const Eigen::SparseMatrix<double>& lower, const SparseFactor& factor);
 
   // Element of the inverse; row and column must be equal or joined in the matrix (or by fill-in), otherwise zero.
   double operator()(int row, int column) const;

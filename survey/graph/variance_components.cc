@@ -18,8 +18,9 @@ constexpr double kLeastFactor = 2e-3;  // sigmas of 1 : 20
 constexpr double kLargestFactor = 1e4;
 constexpr double kFarthestApart = 4.0;  // a kind's factor from that of both
 constexpr int kMaxRounds = 10;
-constexpr int kEvidenceIterations = 5;  // poses are near the minimum already
-constexpr double kConverged = 0.05;     // of the logarithm of a factor: far below its own sigma
+constexpr double kConverged = 0.05;         // of the logarithm of a factor: far below its own sigma
+constexpr double kNegligibleCost = 0.01;    // all observations together move by a seventh of a sigma
+constexpr double kNegligibleSquares = 0.1;  // of the track alone: its copies agree
 
 bool IsLoop(const PoseEdge& edge) { return edge.kind == EdgeKind::kLoop; }
 
@@ -28,38 +29,40 @@ struct NetworkEvidence {
   KindEvidence loops;
 };
 
-// By least squares: a loop beyond the critical value counts as if it reached it, the others in full. The poses become
-// those of this solution.
+// By least squares: a loop beyond the critical value counts as if it reached it, the others in full. The poses are near
+// the solution and take the step that remains.
 NetworkEvidence OfLoops(const KindEvidence& alone, PoseGraph* graph) {
   PoseGraph frozen = *graph;
   FreezeRobustWeights(&frozen);
-  if (!Solve(&frozen, {.max_iterations = kEvidenceIterations}).usable) return {};
-  graph->poses = frozen.poses;
-  graph->points = frozen.points;
   const auto covariance = GraphCovariance::Of(frozen);
   if (!covariance) return {};
+  covariance->TakeStep(graph);
+  frozen.poses = graph->poses;
   return {Beyond(EvidenceOf(frozen, *covariance, {EdgeKind::kScanMatch, EdgeKind::kMotion}), alone),
           EvidenceOf(frozen, *covariance, {EdgeKind::kLoop})};
 }
 
-KindEvidence Both(const NetworkEvidence& evidence) {
-  return {evidence.track.squares + evidence.loops.squares, evidence.track.redundancy + evidence.loops.redundancy};
-}
-
 // One factor for both kinds: the mean of what the residuals say and of what is usual, of their logarithms by their
 // conditions.
-double CommonFactor(const KindEvidence& both, double so_far) {
-  const double told = std::log(std::clamp(so_far * both.Factor(), kLeastFactor, kLargestFactor));
+double CommonFactor(const KindEvidence& both) {
+  const double told = std::log(std::clamp(both.Factor(), kLeastFactor, kLargestFactor));
   const double mean =
       (both.redundancy * told + kUsualRedundancy * std::log(kUsualFactor)) / (both.redundancy + kUsualRedundancy);
   return std::exp(mean);
+}
+
+double SumOfSquares(const PoseGraph& graph) {
+  double sum = 0.0;
+  for (const PoseEdge& edge : graph.edges) sum += SquaredNormalisedResidual(edge, graph.poses);
+  return sum;
 }
 
 bool IsOne(double factor) { return std::abs(std::log(factor)) < kConverged; }
 
 class FactorSearch {
  public:
-  FactorSearch(const PoseGraphOptions& options, PoseGraph* graph) : options_(options), graph_(*graph) {
+  FactorSearch(PoseGraphOptions options, PoseGraph* graph) : options_(options), graph_(*graph) {
+    options_.negligible_cost = kNegligibleCost;
     result_.alone = TrackAlone(*graph).value_or(KindEvidence{});
   }
 
@@ -68,52 +71,40 @@ class FactorSearch {
     first.chordal_start = true;  // a long tour may have drifted far
     result_.summary = Solve(&graph_, first);
     if (!result_.summary.usable) return result_;
-    // Twice: which loops are beyond the critical value depends on the factor.
-    NetworkEvidence evidence = ApplyCommon(OfLoops(result_.alone, &graph_));
-    if (std::min(evidence.track.redundancy, evidence.loops.redundancy) < kLeastRedundancy) {
-      ApplyCommon(evidence);
-    } else {
-      ApplyByKind(evidence);
+    // Again and again: which loops are beyond the critical value, and who is to blame, depends on the factors.
+    for (int round = 0; round < kMaxRounds; ++round) {
+      if (Apply(FactorsBy(OfLoops(result_.alone, &graph_)))) break;
     }
     result_.summary = Solve(&graph_, options_);
     return result_;
   }
 
  private:
-  // One factor for both; what the residuals say then.
-  NetworkEvidence ApplyCommon(const NetworkEvidence& evidence) {
-    const KindEvidence both = Both(evidence);
-    result_.factors.told = both.redundancy >= kLeastRedundancy;
-    const double common = CommonFactor(both, result_.factors.track);
-    Apply(common, common);
-    return OfLoops(result_.alone, &graph_);
-  }
-
-  void ApplyByKind(NetworkEvidence evidence) {
-    const double common = result_.factors.track;
+  // One factor for both kinds, or one for each where both have enough conditions.
+  NetworkFactors FactorsBy(NetworkEvidence evidence) const {
+    evidence.track.squares *= result_.factors.track;  // by the covariances that the sensors gave
+    evidence.loops.squares *= result_.factors.loops;
+    const KindEvidence both{evidence.track.squares + evidence.loops.squares,
+                            evidence.track.redundancy + evidence.loops.redundancy};
+    const double common = CommonFactor(both);
+    if (std::min(evidence.track.redundancy, evidence.loops.redundancy) < kLeastRedundancy)
+      return {common, common, both.redundancy >= kLeastRedundancy};
     const auto near = [&](double factor) {
       return std::clamp(factor, common / kFarthestApart, common * kFarthestApart);
     };
-    for (int round = 0; round < kMaxRounds; ++round) {
-      if (Apply(near(result_.factors.track * evidence.track.Factor()),
-                near(result_.factors.loops * evidence.loops.Factor())))
-        return;
-      evidence = OfLoops(result_.alone, &graph_);
-      if (std::min(evidence.track.redundancy, evidence.loops.redundancy) < kLeastRedundancy) return;
-    }
+    return {near(evidence.track.Factor()), near(evidence.loops.Factor()), true};
   }
 
   // Puts the factors to these values; true when they hardly changed.
-  bool Apply(double track, double loops) {
-    const double by_track = track / result_.factors.track, by_loops = loops / result_.factors.loops;
+  bool Apply(const NetworkFactors& factors) {
+    const double by_track = factors.track / result_.factors.track, by_loops = factors.loops / result_.factors.loops;
     for (PoseEdge& edge : graph_.edges) edge.covariance *= IsLoop(edge) ? by_loops : by_track;
     result_.alone.squares /= by_track;
-    result_.factors.track = track;
-    result_.factors.loops = loops;
+    result_.factors = factors;
     return IsOne(by_track) && IsOne(by_loops);
   }
 
-  const PoseGraphOptions& options_;
+  PoseGraphOptions options_;
   PoseGraph& graph_;
   FreeSolution result_;
 };
@@ -150,10 +141,8 @@ std::optional<KindEvidence> TrackAlone(const PoseGraph& graph) {
   alone.walls.clear();
   alone.given.clear();
   alone.fixed_pose = 0;
-  if (!Solve(&alone, {}).usable) return std::nullopt;
-  KindEvidence evidence{.redundancy = static_cast<double>(DegreesOfFreedom(alone))};
-  for (const PoseEdge& edge : alone.edges) evidence.squares += SquaredNormalisedResidual(edge, alone.poses);
-  return evidence;
+  if (SumOfSquares(alone) > kNegligibleSquares && !Solve(&alone, {}).usable) return std::nullopt;
+  return KindEvidence{SumOfSquares(alone), static_cast<double>(DegreesOfFreedom(alone))};
 }
 
 KindEvidence Beyond(const KindEvidence& track, const KindEvidence& alone) {

@@ -244,7 +244,8 @@ class Adjuster {
     const std::string impossible = ProblemWithWalls(answers_, PosesOfAllScans(track_, block_, stamps_));
     if (!impossible.empty()) return Fail(impossible);
     first_answer_ = AddAnswers(track_, answers_, &block_);
-    return answers_.empty() || SolveAgain();
+    return std::none_of(answers_.begin(), answers_.end(), [](const Answer& a) { return a.ActsInLocalFrame(); }) ||
+           SolveAgain();
   }
 
   bool SolveAgain() {

@@ -4,13 +4,36 @@
 #include <algorithm>
 
 namespace survey {
+namespace {
 
-// With A = L D L' and Z = A^-1: Z = D^-1 L^-1 + (I - L') Z. Below the diagonal of column j this reads
-// z_ij = -sum_k z_ik l_kj over the rows k of column j of L, on the diagonal z_jj = 1 / d_j - sum_k z_kj l_kj; all z_ik
-// that occur lie in columns behind j and where L is not zero. So the columns follow from the last to the first.
-std::optional<SelectedInverse> SelectedInverse::Of(const Eigen::SparseMatrix<double>& lower,
-                                                   const SparseFactor& factor) {
-  constexpr double kSmallestPivot = 1e-13;  // of the matrix's own diagonal: below, rounding is all that is left
+using Eigen::Index;
+using Sparse = Eigen::SparseMatrix<double>;
+
+constexpr double kSmallestPivot = 1e-13;  // of the matrix's own diagonal: below, rounding is all that is left
+
+// The factor below its diagonal of ones, which Eigen does not store.
+std::vector<int> RowsOf(const Sparse& factor, int column) {
+  std::vector<int> rows;
+  for (Sparse::InnerIterator it(factor, column); it; ++it) rows.push_back(static_cast<int>(it.row()));
+  return rows;
+}
+
+// How many columns from `first` on share the rows below them and are full among themselves.
+int WidthOfPanel(const Sparse& factor, int first) {
+  const auto rows = [&](int column) { return factor.innerVector(column).nonZeros(); };
+  int last = first;
+  while (last + 1 < factor.cols() && rows(last) > 0 &&
+         factor.innerIndexPtr()[factor.outerIndexPtr()[last]] == last + 1 && rows(last) == rows(last + 1) + 1)
+    ++last;
+  return last + 1 - first;
+}
+
+}  // namespace
+
+// With A = L D L', Z = A^-1, the columns J of a panel and the rows S below them where L is not zero:
+//   Y = L_SJ L_JJ^-1,  Z_SJ = -Z_SS Y,  Z_JJ = (L_JJ D_J L_JJ')^-1 - Y' Z_SJ.
+// All of Z_SS lies in panels behind and where L is not zero. So the panels follow from the last to the first.
+std::optional<SelectedInverse> SelectedInverse::Of(const Sparse& lower, const SparseFactor& factor) {
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::VectorXd pivots = factor.vectorD();
   const auto& permutation = factor.permutationP().indices();
@@ -18,68 +41,85 @@ std::optional<SelectedInverse> SelectedInverse::Of(const Eigen::SparseMatrix<dou
   for (int i = 0; i < n; ++i) {
     if (!(pivots(permutation(i)) > kSmallestPivot * lower.coeff(i, i))) return std::nullopt;
   }
-  const auto& stored = factor.matrixL().nestedExpression();
-
+  const Sparse& stored = factor.matrixL().nestedExpression();
   SelectedInverse inverse;
   inverse.position_.assign(permutation.data(), permutation.data() + n);
-  inverse.begin_.assign(1, 0);
-  std::vector<double> factor_below;
-  for (int j = 0; j < n; ++j) {
-    for (Eigen::SparseMatrix<double>::InnerIterator it(stored, j); it; ++it) {
-      if (it.row() <= j) continue;
-      inverse.rows_.push_back(static_cast<int>(it.row()));
-      factor_below.push_back(it.value());
-    }
-    inverse.begin_.push_back(static_cast<int>(inverse.rows_.size()));
-  }
-  inverse.below_.resize(inverse.rows_.size());
-  inverse.diagonal_.resize(static_cast<std::size_t>(n));
-
-  std::vector<double> of_column(static_cast<std::size_t>(n), 0.0);  // l_kj by k, zero elsewhere
-  std::vector<double> product(static_cast<std::size_t>(n), 0.0);    // sum of z_ik l_kj by i
-  for (int j = n - 1; j >= 0; --j) {
-    const auto first = static_cast<std::size_t>(inverse.begin_[static_cast<std::size_t>(j)]);
-    const auto last = static_cast<std::size_t>(inverse.begin_[static_cast<std::size_t>(j) + 1]);
-    for (std::size_t e = first; e < last; ++e) {
-      of_column[static_cast<std::size_t>(inverse.rows_[e])] = factor_below[e];
-      product[static_cast<std::size_t>(inverse.rows_[e])] = 0.0;
-    }
-    for (std::size_t e = first; e < last; ++e) {
-      const auto k = static_cast<std::size_t>(inverse.rows_[e]);
-      double sum = inverse.diagonal_[k] * factor_below[e];
-      const auto end = static_cast<std::size_t>(inverse.begin_[k + 1]);
-      for (auto f = static_cast<std::size_t>(inverse.begin_[k]); f < end; ++f) {
-        const auto i = static_cast<std::size_t>(inverse.rows_[f]);
-        sum += inverse.below_[f] * of_column[i];
-        product[i] += inverse.below_[f] * factor_below[e];
-      }
-      product[k] += sum;
-    }
-    double diagonal = 1.0 / pivots(j);
-    for (std::size_t e = first; e < last; ++e) {
-      const auto i = static_cast<std::size_t>(inverse.rows_[e]);
-      inverse.below_[e] = -product[i];
-      diagonal += product[i] * factor_below[e];
-      of_column[i] = 0.0;
-    }
-    inverse.diagonal_[static_cast<std::size_t>(j)] = diagonal;
-  }
+  for (int first = 0; first < n; first += inverse.panels_.back().width())
+    inverse.AddPanel(stored, first, WidthOfPanel(stored, first));
+  for (auto panel = inverse.panels_.rbegin(); panel != inverse.panels_.rend(); ++panel)
+    inverse.Invert(stored, pivots, &*panel);
   return inverse;
 }
 
-std::optional<SelectedInverse> SelectedInverse::Of(const Eigen::SparseMatrix<double>& lower) {
-  return Of(lower, SparseFactor(lower));
+std::optional<SelectedInverse> SelectedInverse::Of(const Sparse& lower) { return Of(lower, SparseFactor(lower)); }
+
+void SelectedInverse::AddPanel(const Sparse& factor, int first, int width) {
+  Panel panel{.first = first, .below = RowsOf(factor, first + width - 1)};
+  panel.inverse.resize(width + static_cast<Index>(panel.below.size()), width);
+  panel_of_.insert(panel_of_.end(), static_cast<std::size_t>(width), static_cast<int>(panels_.size()));
+  panels_.push_back(std::move(panel));
+}
+
+void SelectedInverse::Invert(const Sparse& factor, const Eigen::VectorXd& pivots, Panel* panel) const {
+  const Index width = panel->width();
+  const Index rows = panel->inverse.rows() - width;
+  Eigen::MatrixXd own = Eigen::MatrixXd::Identity(width, width);  // L_JJ
+  Eigen::MatrixXd below(rows, width);                             // L_SJ
+  for (Index j = 0; j < width; ++j) {
+    Sparse::InnerIterator it(factor, panel->first + j);
+    for (Index i = j + 1; i < width; ++i, ++it) own(i, j) = it.value();
+    for (Index i = 0; i < rows; ++i, ++it) below(i, j) = it.value();
+  }
+  const Eigen::MatrixXd own_inverse =
+      own.triangularView<Eigen::UnitLower>().solve(Eigen::MatrixXd::Identity(width, width));
+  const Eigen::MatrixXd y = below * own_inverse;
+  panel->inverse.bottomRows(rows).noalias() = -InverseAmong(panel->below) * y;
+  panel->inverse.topRows(width) =
+      own_inverse.transpose() * pivots.segment(panel->first, width).cwiseInverse().asDiagonal() * own_inverse -
+      y.transpose() * panel->inverse.bottomRows(rows);
+}
+
+// Z_SS, from the panels of its columns.
+Eigen::MatrixXd SelectedInverse::InverseAmong(const std::vector<int>& rows) const {
+  const std::size_t size = rows.size();
+  Eigen::MatrixXd among(size, size);
+  std::vector<int> places(size);
+  for (std::size_t j = 0; j < size;) {
+    const Panel& panel = PanelOf(rows[j]);
+    panel.FindPlaces(rows, j, &places);
+    for (; j < size && rows[j] < panel.first + panel.width(); ++j) {
+      const auto column = static_cast<Index>(j);
+      for (std::size_t i = j; i < size; ++i)
+        among(static_cast<Index>(i), column) = among(column, static_cast<Index>(i)) =
+            panel.inverse(places[i], rows[j] - panel.first);
+    }
+  }
+  return among;
+}
+
+void SelectedInverse::Panel::FindPlaces(const std::vector<int>& rows, std::size_t from,
+                                        std::vector<int>* places) const {
+  auto next = below.begin();
+  for (std::size_t i = from; i < rows.size(); ++i) {
+    if (rows[i] < first + width()) {
+      (*places)[i] = rows[i] - first;
+      continue;
+    }
+    while (*next < rows[i]) ++next;  // all are among them
+    (*places)[i] = width() + static_cast<int>(next - below.begin());
+  }
 }
 
 double SelectedInverse::operator()(int row, int column) const {
   const int a = position_[static_cast<std::size_t>(row)];
   const int b = position_[static_cast<std::size_t>(column)];
-  if (a == b) return diagonal_[static_cast<std::size_t>(a)];
-  const auto c = static_cast<std::size_t>(std::min(a, b));
-  const auto begin = rows_.begin() + begin_[c];
-  const auto end = rows_.begin() + begin_[c + 1];
-  const auto found = std::lower_bound(begin, end, std::max(a, b));
-  return found != end && *found == std::max(a, b) ? below_[static_cast<std::size_t>(found - rows_.begin())] : 0.0;
+  const int last = std::max(a, b);
+  const Panel& panel = PanelOf(std::min(a, b));
+  const int in_panel = std::min(a, b) - panel.first;
+  if (last < panel.first + panel.width()) return panel.inverse(last - panel.first, in_panel);
+  const auto found = std::lower_bound(panel.below.begin(), panel.below.end(), last);
+  if (found == panel.below.end() || *found != last) return 0.0;
+  return panel.inverse(panel.width() + (found - panel.below.begin()), in_panel);
 }
 
 }  // namespace survey

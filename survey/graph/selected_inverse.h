@@ -36,11 +36,28 @@ class SelectedInverse {
   }
 
  private:
+  // Neighbouring columns of the factor that are full among themselves and have the same rows below: of one pose at
+  // least. `inverse`: their columns of the inverse in these rows, their own first.
+  struct Panel {
+    int first = 0;           // column
+    std::vector<int> below;  // rows, ascending
+    Eigen::MatrixXd inverse;
+
+    int width() const { return static_cast<int>(inverse.cols()); }
+    // Places in `inverse` of the rows from index `from` on, ascending, all of which it has.
+    void FindPlaces(const std::vector<int>& rows, std::size_t from, std::vector<int>* places) const;
+  };
+
+  void AddPanel(const Eigen::SparseMatrix<double>& factor, int first, int width);
+  void Invert(const Eigen::SparseMatrix<double>& factor, const Eigen::VectorXd& pivots, Panel* panel) const;
+  const Panel& PanelOf(int column) const {
+    return panels_[static_cast<std::size_t>(panel_of_[static_cast<std::size_t>(column)])];
+  }
+  Eigen::MatrixXd InverseAmong(const std::vector<int>& rows) const;
+
   std::vector<int> position_;  // in the fill-reducing order, by row
-  std::vector<int> begin_;     // of each column's elements below the diagonal
-  std::vector<int> rows_;      // ascending within a column
-  std::vector<double> below_;  // the inverse below the diagonal
-  std::vector<double> diagonal_;
+  std::vector<int> panel_of_;  // by column in that order
+  std::vector<Panel> panels_;
 };
 
 }  // namespace survey

@@ -2,6 +2,7 @@
 //
 // Monte Carlo of the tests of control: plumbline-reliability [RUNS], 500 without. Prints what was found against what
 // was planted in simulated garage blocks.
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -21,8 +22,14 @@ int main(int argc, char** argv) {
   print("clean blocks that lost a mark (0.5 % allowed)", counts.clean_rejected, runs);
   print("true places within the 95 % ellipse", counts.inside, counts.ellipses);
   print("3 x MDB in a point: this mark and no other left out", counts.blunders_named, runs);
-  print("two labels exchanged: both named", counts.exchanges_named, runs);
+  print("two labels exchanged: named", counts.exchanges_named, runs);
+  print("and no other mark left out", counts.exchanges_alone, runs);
   print("a mark 0.5 s off: this mark and no other left out", counts.times_found, runs);
   print("and its sentence says 0.5 s", counts.times_named, runs);
+  print("without loops, sigmas x 10: blocks that lost a mark", counts.unlooped_rejected, runs);
+  print("true places within the 95 % ellipse", counts.unlooped_inside, counts.ellipses);
+  const auto rms_mm = [&](double sum) { return 1000.0 * std::sqrt(sum / counts.ellipses); };
+  std::printf("their rms error and its sigma %.1f and %.1f mm\n", rms_mm(counts.unlooped_squared_error),
+              rms_mm(counts.unlooped_variance));
   return 0;
 }

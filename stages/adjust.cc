@@ -57,7 +57,7 @@ std::vector<survey::MapArrow> AddArrows(const std::filesystem::path& file, const
 std::string Factors(const survey::NetworkFactors& factors) {
   char text[160];
   std::snprintf(text, sizeof text, "; sigmas of the track x %.2f, of the loops x %.2f%s", std::sqrt(factors.track),
-                std::sqrt(factors.loops), factors.told ? "" : " (few loops: near to what is usual)");
+                std::sqrt(factors.loops), factors.told ? "" : " (few loops: by what is usual, and by control)");
   return text;
 }
 

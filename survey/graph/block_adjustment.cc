@@ -281,6 +281,9 @@ class Adjuster {
     FreezeRobustWeights(&block_.graph);
     tie_ = TieToControl(control_, options_.tie, free_.factors, MotionOfTrack(track_, stamps_), &block_);
     tie_.verdict.free_sigma_zero = free_sigma_zero;
+    result_.factors.track *= tie_.network_factor;
+    result_.factors.loops *= tie_.network_factor;
+    free_.alone.squares /= tie_.network_factor;
     summary_ = tie_.summary;
   }
 

@@ -11,6 +11,10 @@
 namespace survey {
 namespace {
 
+// Of T of either mark after their exchange: as far as this no other two blunders come near to each other's place, and a
+// mark may have an error of its own besides.
+constexpr double kExchangeSignificance = 1e-6;
+
 class Search {
  public:
   Search(const ControlMisfit& misfit, double family_significance) : misfit_(misfit) {
@@ -67,6 +71,7 @@ class Search {
 
   // Two marks whose exchange explains more than leaving out the worst one would; without any free parameter.
   std::optional<std::pair<int, int>> BestExchange(const ControlTests& tests, double worst_t) const {
+    const double limit = std::max(result_.critical_t, CriticalT(kExchangeSignificance, 2));
     std::optional<std::pair<int, int>> best;
     double least = tests.chi_square() - worst_t;
     for (const int a : result_.kept) {
@@ -74,7 +79,7 @@ class Search {
         if (b <= a || misfit_.points[static_cast<std::size_t>(a)] == misfit_.points[static_cast<std::size_t>(b)])
           continue;
         const ControlTests::Exchange exchange = tests.IfExchanged(a, b);
-        if (exchange.chi_square >= least || std::max(exchange.t_a, exchange.t_b) > result_.critical_t) continue;
+        if (exchange.chi_square >= least || std::max(exchange.t_a, exchange.t_b) > limit) continue;
         least = exchange.chi_square;
         best = {a, b};
       }

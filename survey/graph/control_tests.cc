@@ -118,8 +118,13 @@ ControlTests::Scale ControlTests::EstimateScale() const {
   return {by_scale.dot(weighted_) / weight, 1.0 / std::sqrt(weight)};
 }
 
-ControlTests::Component ControlTests::ComponentOfControl() const {
-  return {weighted_.dot(own_covariance_ * weighted_), (own_covariance_ * weight_).trace()};
+ControlTests::Component ControlTests::ComponentOf(const Eigen::MatrixXd& covariance) const {
+  return {weighted_.dot(covariance * weighted_), (covariance * weight_).trace()};
+}
+
+ControlTests::Component ControlTests::ComponentOfNetwork() const {
+  const std::vector<Index> rows = RowsOf(kept_);
+  return ComponentOf(misfit_.of_network(rows, rows));
 }
 
 }  // namespace survey

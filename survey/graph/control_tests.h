@@ -63,15 +63,18 @@ class ControlTests {
   };
   Scale EstimateScale() const;
 
-  // Variance component of control and marks as an observation kind [Foerstner79].
+  // Variance components [Foerstner79] of control and marks as an observation kind, and of the network as the other:
+  // the redundancies of both sum to the degrees of freedom.
   struct Component {
     double squares = 0.0;
     double redundancy = 0.0;
   };
-  Component ComponentOfControl() const;
+  Component ComponentOfControl() const { return ComponentOf(own_covariance_); }
+  Component ComponentOfNetwork() const;
 
  private:
   Eigen::Index RowOf(int mark) const;
+  Component ComponentOf(const Eigen::MatrixXd& covariance) const;
 
   const ControlMisfit& misfit_;
   std::vector<int> kept_;

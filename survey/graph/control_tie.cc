@@ -28,7 +28,7 @@ class Tie {
   Tie(const ControlNetwork& control, const ControlTieOptions& options, const MotionInScan& motion, BlockGraph* block)
       : control_(control), options_(options), motion_(motion), block_(*block) {}
 
-  ControlTie Run(bool network_confirmed) {
+  ControlTie Run(const NetworkFactors& of_network) {
     if (!MoveToSite()) {
       result_.message = "the marked control points lie on one place: the direction of the block cannot be fixed";
       return std::move(result_);
@@ -36,8 +36,9 @@ class Tie {
     const GivenControl all = GiveControl(control_, block_.point_names, {}, result_.offset);
     result_.message = all.problem;
     if (!all.problem.empty()) return std::move(result_);
-    if (!network_confirmed) WidenNetwork(all.given);
+    if (!of_network.told) WidenNetwork(all.given);
     if (!Iterate(all.given)) return std::move(result_);
+    if (!of_network.told && !NarrowNetwork(all.given, of_network.conditions)) return std::move(result_);
     Report();
     block_.graph = std::move(constrained_);
     result_.usable = true;
@@ -79,8 +80,24 @@ class Tie {
 
   void WidenNetwork(const std::vector<GivenCoordinates>& given) {
     const std::optional<ControlMisfit> misfit = MisfitOfControl(block_.graph, given);
-    const double factor = misfit ? WideningFactor(*misfit) : 1.0;
-    for (PoseEdge& edge : block_.graph.edges) edge.covariance *= factor;
+    if (misfit) MultiplyCovariances(WideningFactor(*misfit));
+  }
+
+  // Of the sensors; people's answers have their own sigmas.
+  void MultiplyCovariances(double factor) {
+    for (PoseEdge& edge : block_.graph.edges) {
+      if (edge.kind != EdgeKind::kAnswer) edge.covariance *= factor;
+    }
+    result_.network_factor *= factor;
+  }
+
+  // By the marks that were not left out; those that were stay so.
+  bool NarrowNetwork(const std::vector<GivenCoordinates>& given, double conditions) {
+    const double factor = NarrowingFactor(misfit_, search_.kept, conditions);
+    if (factor == 1.0 || search_.contradicted) return true;
+    MultiplyCovariances(factor);
+    misfit_ = *MisfitOfControl(block_.graph, given);
+    return SolveConstrained();
   }
 
   // Search and adjustment until the search at the adjusted poses leaves out what was left out.
@@ -97,15 +114,20 @@ class Tie {
       const std::set<int> now(search_.excluded.begin(), search_.excluded.end());
       if (now == left_out) break;
       left_out = now;
-      constrained_ = Constrained();
-      result_.summary = Solve(&constrained_, options_.solver);
-      if (!result_.summary.usable) {
-        result_.message = "the adjustment with control did not converge: " + result_.summary.message;
-        return false;
-      }
-      block_.graph.poses = constrained_.poses;
-      std::copy_n(constrained_.points.begin(), block_.graph.points.size(), block_.graph.points.begin());
+      if (!SolveConstrained()) return false;
     }
+    return true;
+  }
+
+  bool SolveConstrained() {
+    constrained_ = Constrained();
+    result_.summary = Solve(&constrained_, options_.solver);
+    if (!result_.summary.usable) {
+      result_.message = "the adjustment with control did not converge: " + result_.summary.message;
+      return false;
+    }
+    block_.graph.poses = constrained_.poses;
+    std::copy_n(constrained_.points.begin(), block_.graph.points.size(), block_.graph.points.begin());
     return true;
   }
 
@@ -262,7 +284,7 @@ class Tie {
 
 ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options,
                         const NetworkFactors& of_network, const MotionInScan& motion, BlockGraph* block) {
-  return Tie(control, options, motion, block).Run(of_network.told);
+  return Tie(control, options, motion, block).Run(of_network);
 }
 
 }  // namespace survey

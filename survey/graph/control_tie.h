@@ -40,6 +40,7 @@ struct ControlTie {
   Pose2 site_from_local;                             // rigid fit on the marks that were used
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // graph frame plus offset is the site frame: keeps digits
   std::vector<TiedMark> marks;                       // in the graph's order
+  double network_factor = 1.0;                       // by which control multiplied the covariances of the network
   PoseGraphSummary summary;                          // of the constrained adjustment
   ControlVerdict verdict;
   VarianceComponent of_control;
@@ -51,7 +52,7 @@ using MotionInScan = std::function<std::optional<Eigen::Vector2d>(std::size_t ma
 
 // `block`: the free solution in the local frame, its loops at their final weights; afterwards the constrained solution.
 // The marks lie on two control points or more. `of_network`: the factors that the free solution applied; where too few
-// loops told, control may widen the network's covariances.
+// loops told, control multiplies the network's covariances.
 ControlTie TieToControl(const ControlNetwork& control, const ControlTieOptions& options,
                         const NetworkFactors& of_network, const MotionInScan& motion, BlockGraph* block);
 

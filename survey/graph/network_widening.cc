@@ -13,11 +13,21 @@ namespace {
 constexpr int kFewestMarks = 5;
 constexpr double kLargestFactor = 1e6;
 
-double MedianT(ControlMisfit misfit, double factor) {
-  misfit.of_network *= factor;
+// What the tests of marks need, with the network's covariance multiplied.
+ControlMisfit WithNetwork(const ControlMisfit& misfit, double factor) {
+  return {.marks = misfit.marks,
+          .misfit = misfit.misfit,
+          .of_network = factor * misfit.of_network,
+          .of_marks = misfit.of_marks,
+          .of_control = misfit.of_control,
+          .datum = misfit.datum};
+}
+
+double MedianT(const ControlMisfit& misfit, double factor) {
+  const ControlMisfit scaled = WithNetwork(misfit, factor);
   std::vector<int> all(static_cast<std::size_t>(misfit.size()));
   std::iota(all.begin(), all.end(), 0);
-  const ControlTests tests(misfit, all);
+  const ControlTests tests(scaled, all);
   if (!tests.usable()) return 0.0;
   std::vector<double> t;
   for (const int mark : all) t.push_back(tests.Test(std::span(&mark, 1), {}).t);
@@ -26,19 +36,41 @@ double MedianT(ControlMisfit misfit, double factor) {
   return *middle;
 }
 
+// Conditions that the network's squares do not fill under this factor.
+double Unfilled(const ControlMisfit& misfit, const std::vector<int>& kept, double factor) {
+  const ControlMisfit scaled = WithNetwork(misfit, factor);
+  const ControlTests tests(scaled, kept);
+  if (!tests.usable()) return 0.0;
+  const ControlTests::Component network = tests.ComponentOfNetwork();
+  return network.redundancy - network.squares;
+}
+
+// The logarithm between `low` and `high` where `beyond` becomes true.
+template <typename Predicate>
+double Turn(double low, double high, const Predicate& beyond) {
+  for (int step = 0; step < 20; ++step) {
+    const double middle = (low + high) / 2.0;
+    (beyond(std::exp(middle)) ? high : low) = middle;
+  }
+  return high;
+}
+
 }  // namespace
 
 double WideningFactor(const ControlMisfit& misfit) {
   if (misfit.size() < kFewestMarks) return 1.0;
   const double median = CriticalT(0.5, 2);
-  double low = 0.0;  // logarithms
-  double high = std::log(kLargestFactor);
   if (MedianT(misfit, 1.0) <= median) return 1.0;
-  for (int step = 0; step < 20; ++step) {
-    const double middle = (low + high) / 2.0;
-    (MedianT(misfit, std::exp(middle)) > median ? low : high) = middle;
-  }
-  return std::exp(high);
+  return std::exp(
+      Turn(0.0, std::log(kLargestFactor), [&](double factor) { return MedianT(misfit, factor) <= median; }));
+}
+
+double NarrowingFactor(const ControlMisfit& misfit, const std::vector<int>& kept, double conditions) {
+  if (kept.size() < 3) return 1.0;
+  const auto beyond = [&](double factor) {
+    return Unfilled(misfit, kept, factor) + conditions * std::log(factor) > 0.0;
+  };
+  return beyond(1.0) ? std::exp(Turn(-std::log(kLargestFactor), 0.0, beyond)) : 1.0;
 }
 
 }  // namespace survey

@@ -87,12 +87,13 @@ class FactorSearch {
     const KindEvidence both{evidence.track.squares + evidence.loops.squares,
                             evidence.track.redundancy + evidence.loops.redundancy};
     const double common = CommonFactor(both);
+    const double conditions = both.redundancy + kUsualRedundancy;
     if (std::min(evidence.track.redundancy, evidence.loops.redundancy) < kLeastRedundancy)
-      return {common, common, both.redundancy >= kLeastRedundancy};
+      return {common, common, both.redundancy >= kLeastRedundancy, conditions};
     const auto near = [&](double factor) {
       return std::clamp(factor, common / kFarthestApart, common * kFarthestApart);
     };
-    return {near(evidence.track.Factor()), near(evidence.loops.Factor()), true};
+    return {near(evidence.track.Factor()), near(evidence.loops.Factor()), true, conditions};
   }
 
   // Puts the factors to these values; true when they hardly changed.

@@ -39,7 +39,8 @@ KindEvidence Beyond(const KindEvidence& track, const KindEvidence& alone);
 struct NetworkFactors {
   double track = 1.0;
   double loops = 1.0;
-  bool told = false;  // by enough loops
+  bool told = false;        // by enough loops
+  double conditions = 0.0;  // that say so, with those that the usual factor counts as
 };
 
 // Free solution: what the sensors alone say. Afterwards the covariances of all edges are those that the loops have

@@ -53,11 +53,12 @@ Pose2 WithError(const Pose2& pose, const survey::RandomStream& noise, std::size_
   return {pose.x + sigma_m * x, pose.y + sigma_m * y, pose.theta + sigma_rad * noise.Normal(2 * index + 1)};
 }
 
-void AddMotions(std::uint32_t seed, const std::vector<Pose2>& truth, survey::PoseGraph* graph) {
+void AddMotions(std::uint32_t seed, double errors, const std::vector<Pose2>& truth, survey::PoseGraph* graph) {
   const survey::RandomStream noise(seed, kMotion, 1);
   graph->poses.push_back({});
   for (std::size_t i = 1; i < truth.size(); ++i) {
-    const Pose2 motion = WithError(Between(truth[i - 1], truth[i]), noise, i, kMotionSigma_m, kMotionSigma_rad);
+    const Pose2 motion =
+        WithError(Between(truth[i - 1], truth[i]), noise, i, errors * kMotionSigma_m, errors * kMotionSigma_rad);
     graph->edges.push_back({static_cast<int>(i) - 1, static_cast<int>(i), motion,
                             PoseCovariance(kMotionSigma_m, kMotionSigma_rad), false, survey::EdgeKind::kMotion});
     graph->poses.push_back(graph->poses.back() * motion);
@@ -109,25 +110,57 @@ void SurveyControl(std::uint32_t seed, GarageBlock* garage) {
   }
 }
 
-void CountClean(const GarageBlock& clean, ReliabilityCounts* counts, std::vector<survey::MarkTest>* tests) {
-  GarageBlock garage = clean;
-  const survey::ControlTie tie = AdjustGarageBlock(&garage);
-  bool rejected = false;
-  for (const survey::TiedMark& mark : tie.marks) {
-    tests->push_back(*mark.test);
-    ++counts->marks_tested;
-    if (mark.test->t > tie.verdict.critical_t) ++counts->false_alarms;
-    rejected = rejected || !mark.used;
-  }
-  if (rejected) ++counts->clean_rejected;
+// Every 60 m of the way after the adjustment.
+struct EllipseCounts {
+  int ellipses = 0;
+  int inside = 0;
+  double squared_error = 0.0;
+  double variance = 0.0;
+};
+
+EllipseCounts CountEllipses(const GarageBlock& garage, const survey::ControlTie& tie) {
+  EllipseCounts counts;
   const auto covariance = survey::GraphCovariance::Of(garage.block.graph);
   for (std::size_t i = 10; i < garage.site_from_pose.size(); i += 60) {
     const Eigen::Vector2d error =
         garage.block.graph.poses[i].Translation() + tie.offset - garage.site_from_pose[i].Translation();
     const Eigen::Matrix2d ellipse = covariance->OfPose(static_cast<int>(i)).topLeftCorner<2, 2>();
-    ++counts->ellipses;
-    if (error.dot(ellipse.inverse() * error) <= survey::CriticalT(0.05, 2)) ++counts->inside;
+    ++counts.ellipses;
+    if (error.dot(ellipse.inverse() * error) <= survey::CriticalT(0.05, 2)) ++counts.inside;
+    counts.squared_error += error.squaredNorm();
+    counts.variance += ellipse.trace();
   }
+  return counts;
+}
+
+bool LostAMark(const survey::ControlTie& tie) {
+  return std::any_of(tie.marks.begin(), tie.marks.end(), [](const survey::TiedMark& mark) { return !mark.used; });
+}
+
+void CountClean(const GarageBlock& clean, ReliabilityCounts* counts, std::vector<survey::MarkTest>* tests) {
+  GarageBlock garage = clean;
+  const survey::ControlTie tie = AdjustGarageBlock(&garage);
+  for (const survey::TiedMark& mark : tie.marks) {
+    tests->push_back(*mark.test);
+    ++counts->marks_tested;
+    if (mark.test->t > tie.verdict.critical_t) ++counts->false_alarms;
+  }
+  if (LostAMark(tie)) ++counts->clean_rejected;
+  const EllipseCounts of_block = CountEllipses(garage, tie);
+  counts->ellipses += of_block.ellipses;
+  counts->inside += of_block.inside;
+}
+
+// Sigmas that are ten times too large are what tracks start with (docs/reliability.md).
+void CountWithoutLoops(std::uint32_t seed, ReliabilityCounts* counts) {
+  GarageBlock garage = SimulateGarageBlock(seed, 0.1);
+  std::erase_if(garage.block.graph.edges, [](const auto& edge) { return edge.kind == survey::EdgeKind::kLoop; });
+  const survey::ControlTie tie = AdjustGarageBlock(&garage);
+  if (LostAMark(tie)) ++counts->unlooped_rejected;
+  const EllipseCounts of_block = CountEllipses(garage, tie);
+  counts->unlooped_inside += of_block.inside;
+  counts->unlooped_squared_error += of_block.squared_error;
+  counts->unlooped_variance += of_block.variance;
 }
 
 bool OnlyLeftOut(const survey::ControlTie& tie, const std::vector<std::size_t>& marks) {
@@ -144,14 +177,18 @@ bool BlunderIsNamed(const GarageBlock& clean, std::size_t mark, double size, dou
   return OnlyLeftOut(AdjustGarageBlock(&garage), {mark});
 }
 
-bool ExchangeIsNamed(const GarageBlock& clean, std::size_t a, std::size_t b) {
+void CountExchange(const GarageBlock& clean, std::size_t a, std::size_t b, ReliabilityCounts* counts) {
   GarageBlock garage = clean;
   std::swap(garage.PointOfMark(a).position_in_site, garage.PointOfMark(b).position_in_site);
   const survey::ControlTie tie = AdjustGarageBlock(&garage);
-  const std::string& sentence = tie.marks[a].left_out;
-  return OnlyLeftOut(tie, {a, b}) && sentence.find("look exchanged") != std::string::npos &&
-         sentence.find(garage.PointOfMark(a).name) != std::string::npos &&
-         sentence.find(garage.PointOfMark(b).name) != std::string::npos;
+  const auto names = [&](const std::string& sentence) {
+    return sentence.find("look exchanged") != std::string::npos &&
+           sentence.find(garage.PointOfMark(a).name) != std::string::npos &&
+           sentence.find(garage.PointOfMark(b).name) != std::string::npos;
+  };
+  if (!names(tie.marks[a].left_out) || !names(tie.marks[b].left_out)) return;
+  ++counts->exchanges_named;
+  if (OnlyLeftOut(tie, {a, b})) ++counts->exchanges_alone;
 }
 
 void CountTime(const GarageBlock& clean, std::size_t mark, ReliabilityCounts* counts) {
@@ -172,11 +209,11 @@ survey::ControlPoint& GarageBlock::PointOfMark(std::size_t mark) {
   return control.points[static_cast<std::size_t>(block.graph.marks[mark].point)];
 }
 
-GarageBlock SimulateGarageBlock(std::uint32_t seed) {
+GarageBlock SimulateGarageBlock(std::uint32_t seed, double motion_errors) {
   const std::vector<Pose2> truth = Laps();
   GarageBlock garage;
   for (const Pose2& pose : truth) garage.site_from_pose.push_back(kSiteFromWorld * pose);
-  AddMotions(seed, truth, &garage.block.graph);
+  AddMotions(seed, motion_errors, truth, &garage.block.graph);
   AddLoops(seed, truth, &garage.block.graph);
   AddMarks(seed, truth, &garage);
   SurveyControl(seed, &garage);
@@ -209,8 +246,9 @@ ReliabilityCounts CountReliability(std::uint32_t first_seed, int runs) {
     const double size = 3.0 * tests[mark].detectable.value();
     if (BlunderIsNamed(clean, mark, size, choice.Uniform(1, 0.0, 6.28))) ++counts.blunders_named;
     const std::size_t other = (mark + 1 + chosen(2) % (clean.num_marks() - 1)) % clean.num_marks();
-    if (ExchangeIsNamed(clean, mark, other)) ++counts.exchanges_named;
+    CountExchange(clean, mark, other, &counts);
     CountTime(clean, chosen(3), &counts);
+    CountWithoutLoops(seed, &counts);
   }
   return counts;
 }

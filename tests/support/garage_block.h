@@ -24,7 +24,8 @@ struct GarageBlock {
 
 inline constexpr double kGarageSpeed_m_s = 0.8;
 
-GarageBlock SimulateGarageBlock(std::uint32_t seed);
+// `motion_errors`: of the motions, in their sigmas.
+GarageBlock SimulateGarageBlock(std::uint32_t seed, double motion_errors = 1.0);
 
 // Free solution, tests and constrained solution, as `adjust` does it. `garage` gets the solved poses.
 survey::ControlTie AdjustGarageBlock(GarageBlock* garage);
@@ -38,9 +39,15 @@ struct ReliabilityCounts {
   int ellipses = 0;
   int inside = 0;           // true place within the 95 % ellipse
   int blunders_named = 0;   // 3 x MDB in a point, any direction: this mark and no other is left out
-  int exchanges_named = 0;  // two labels exchanged: both points are named
+  int exchanges_named = 0;  // two labels exchanged: both marks are left out, and their sentence names both
+  int exchanges_alone = 0;  // and no other mark is left out
   int times_found = 0;      // a mark 0.5 s off: left out
   int times_named = 0;      // and the sentence says so, to 0.1 s
+  // Blocks without loops whose sigmas are ten times too large.
+  int unlooped_rejected = 0;  // that lost a mark
+  int unlooped_inside = 0;    // true places within the 95 % ellipse, of as many as above
+  double unlooped_squared_error = 0.0;
+  double unlooped_variance = 0.0;  // as predicted
 };
 
 ReliabilityCounts CountReliability(std::uint32_t first_seed, int runs);

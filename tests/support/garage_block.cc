@@ -139,7 +139,7 @@ bool LostAMark(const survey::ControlTie& tie) {
 
 void CountClean(const GarageBlock& clean, ReliabilityCounts* counts, std::vector<survey::MarkTest>* tests) {
   GarageBlock garage = clean;
-  const survey::ControlTie tie = AdjustGarageBlock(&garage);
+  const survey::ControlTie tie = TieGarageBlock(&garage);
   for (const survey::TiedMark& mark : tie.marks) {
     tests->push_back(*mark.test);
     ++counts->marks_tested;
@@ -174,13 +174,13 @@ bool OnlyLeftOut(const survey::ControlTie& tie, const std::vector<std::size_t>& 
 bool BlunderIsNamed(const GarageBlock& clean, std::size_t mark, double size, double direction) {
   GarageBlock garage = clean;
   garage.PointOfMark(mark).position_in_site += size * Eigen::Vector2d(std::cos(direction), std::sin(direction));
-  return OnlyLeftOut(AdjustGarageBlock(&garage), {mark});
+  return OnlyLeftOut(TieGarageBlock(&garage), {mark});
 }
 
 void CountExchange(const GarageBlock& clean, std::size_t a, std::size_t b, ReliabilityCounts* counts) {
   GarageBlock garage = clean;
   std::swap(garage.PointOfMark(a).position_in_site, garage.PointOfMark(b).position_in_site);
-  const survey::ControlTie tie = AdjustGarageBlock(&garage);
+  const survey::ControlTie tie = TieGarageBlock(&garage);
   const auto names = [&](const std::string& sentence) {
     return sentence.find("look exchanged") != std::string::npos &&
            sentence.find(garage.PointOfMark(a).name) != std::string::npos &&
@@ -194,7 +194,7 @@ void CountExchange(const GarageBlock& clean, std::size_t a, std::size_t b, Relia
 void CountTime(const GarageBlock& clean, std::size_t mark, ReliabilityCounts* counts) {
   GarageBlock garage = clean;
   garage.block.graph.marks[mark].p_in_pose.x() -= 0.5 * kGarageSpeed_m_s;
-  const survey::ControlTie tie = AdjustGarageBlock(&garage);
+  const survey::ControlTie tie = TieGarageBlock(&garage);
   if (!OnlyLeftOut(tie, {mark})) return;
   ++counts->times_found;
   const std::string& sentence = tie.marks[mark].left_out;
@@ -221,20 +221,28 @@ GarageBlock SimulateGarageBlock(std::uint32_t seed, double motion_errors) {
   return garage;
 }
 
-survey::ControlTie AdjustGarageBlock(GarageBlock* garage) {
-  const survey::ControlTieOptions options;
-  const survey::FreeSolution free = survey::SolveFree(options.solver, &garage->block.graph);
+void SolveGarageBlockFree(GarageBlock* garage) {
+  garage->factors = survey::SolveFree({}, &garage->block.graph).factors;
   survey::FreezeRobustWeights(&garage->block.graph);
+}
+
+survey::ControlTie TieGarageBlock(GarageBlock* garage) {
   return survey::TieToControl(
-      garage->control, options, free.factors,
+      garage->control, {}, garage->factors,
       [](std::size_t, double seconds) { return Eigen::Vector2d(kGarageSpeed_m_s * seconds, 0.0); }, &garage->block);
+}
+
+survey::ControlTie AdjustGarageBlock(GarageBlock* garage) {
+  SolveGarageBlockFree(garage);
+  return TieGarageBlock(garage);
 }
 
 ReliabilityCounts CountReliability(std::uint32_t first_seed, int runs) {
   ReliabilityCounts counts;
   for (int run = 0; run < runs; ++run) {
     const std::uint32_t seed = first_seed + static_cast<std::uint32_t>(run);
-    const GarageBlock clean = SimulateGarageBlock(seed);
+    GarageBlock clean = SimulateGarageBlock(seed);
+    SolveGarageBlockFree(&clean);
     std::vector<survey::MarkTest> tests;
     CountClean(clean, &counts, &tests);
     ++counts.runs;

@@ -17,6 +17,7 @@ struct GarageBlock {
   survey::BlockGraph block;  // local frame
   survey::ControlNetwork control;
   std::vector<survey::Pose2> site_from_pose;  // truth
+  survey::NetworkFactors factors;             // that the free solution applied
 
   std::size_t num_marks() const { return block.graph.marks.size(); }
   survey::ControlPoint& PointOfMark(std::size_t mark);
@@ -27,7 +28,10 @@ inline constexpr double kGarageSpeed_m_s = 0.8;
 // `motion_errors`: of the motions, in their sigmas.
 GarageBlock SimulateGarageBlock(std::uint32_t seed, double motion_errors = 1.0);
 
-// Free solution, tests and constrained solution, as `adjust` does it. `garage` gets the solved poses.
+// Free solution, then tests and constrained solution, as `adjust` does it. `garage` gets the solved poses. The free one
+// serves for any control: the marks, each on a point of its own, are no part of it.
+void SolveGarageBlockFree(GarageBlock* garage);
+survey::ControlTie TieGarageBlock(GarageBlock* garage);
 survey::ControlTie AdjustGarageBlock(GarageBlock* garage);
 
 // What the adjustment of seeded blocks found, clean ones and ones with a planted error.

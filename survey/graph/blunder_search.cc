@@ -11,8 +11,8 @@
 namespace survey {
 namespace {
 
-// Of T of either mark after their exchange: as far as this no other two blunders come near to each other's place, and a
-// mark may have an error of its own besides.
+// Of T of either mark after their exchange. No two other blunders come as near to each other's places as this, but one
+// of the two may have an error of its own besides.
 constexpr double kExchangeSignificance = 1e-6;
 
 class Search {

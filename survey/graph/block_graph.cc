@@ -11,13 +11,12 @@ int BlockGraph::PoseOf(ScanId node) const {
   return static_cast<int>(num_submaps) + static_cast<int>(found - nodes.begin());
 }
 
-namespace {
-
-// Nothing told where the scan lies but odometry or constant velocity.
 bool GoneBlind(const TrackedScan& scan) {
   return !scan.matched &&
          (scan.prediction == Prediction::kOdometry || scan.prediction == Prediction::kConstantVelocity);
 }
+
+namespace {
 
 // For each scan the number of blind stretches of more than a metre before it; -1 where it has no match itself.
 std::vector<int> PiecesBetweenBlindStretches(const Track& track) {

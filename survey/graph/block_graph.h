@@ -21,6 +21,9 @@ struct BlockGraph {
   std::size_t num_submaps = 0;
 };
 
+// Nothing told where the scan lies but odometry or constant velocity.
+bool GoneBlind(const TrackedScan& scan);
+
 // The last node at or before a scan, or the first node.
 ScanId NodeNear(const BlockGraph& block, ScanId scan);
 

@@ -99,7 +99,7 @@ double Place::LeastScore(double share, double occupancy) const {
 
 std::optional<SearchResult> Place::Search(const PlaceScan& scan, const Pose2& centre,
                                           const SearchWindow& window) const {
-  if (!search_) return std::nullopt;
+  if (!search_ || TooFewPoints(scan)) return std::nullopt;
   const auto max_points = static_cast<std::size_t>(options_.max_search_points);
   const std::size_t stride = (scan.size() + max_points - 1) / max_points;
   std::vector<Eigen::Vector2f> points;
@@ -109,6 +109,7 @@ std::optional<SearchResult> Place::Search(const PlaceScan& scan, const Pose2& ce
 
 MatchResult Place::Match(const PlaceScan& scan, const Pose2& start, const Pose2& predicted,
                          const Eigen::Matrix3d& prediction_covariance) const {
+  if (TooFewPoints(scan)) return {};
   return MatchToSurfaces(&coarse_surfaces_, surfaces_, scan, start, predicted, prediction_covariance, options_.match);
 }
 

@@ -27,6 +27,7 @@ struct PlaceOptions {
   double point_spacing_m = 0.05;
   int max_points = 180;        // to draw and match
   int max_search_points = 60;  // for branch and bound
+  int min_points = 20;         // a scan of fewer lies well in too many ways: it is neither searched nor matched
 };
 
 // Nodes of the track at least spacing_m apart along it, and those that carry marks.
@@ -55,16 +56,19 @@ class Place {
   // Score of a search that a scan has at least when this share of it lies on cells seen, of this mean occupancy.
   double LeastScore(double share, double occupancy) const;
 
-  // Best pose in the window around `centre`; the score is relative to all points, seen or not.
+  // Best pose in the window around `centre`; the score is relative to all points, seen or not. Empty where there is
+  // none or the scan has too few points.
   std::optional<SearchResult> Search(const PlaceScan& scan, const Pose2& centre, const SearchWindow& window) const;
 
-  // Pose below the cell near `start`.
+  // Pose below the cell near `start`; not usable with too few points.
   MatchResult Match(const PlaceScan& scan, const Pose2& start, const Pose2& predicted,
                     const Eigen::Matrix3d& prediction_covariance) const;
 
   PlaceOverlap Overlap(const PlaceScan& scan, const Pose2& submap_from_scan) const;
 
  private:
+  bool TooFewPoints(const PlaceScan& scan) const { return std::ssize(scan) < options_.min_points; }
+
   const PlaceOptions& options_;
   OccupancyPyramid grid_;
   std::optional<SlidingMaximumGrids> search_;

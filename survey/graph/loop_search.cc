@@ -22,6 +22,7 @@ constexpr double kClosingSpacing_m = 4.0;    // between nodes that are searched 
 constexpr double kNarrow_m = 0.5;            // windows up to here are in the reach of a match ...
 constexpr double kNarrow_rad = 0.2;          // ... from the prediction
 constexpr std::size_t kPlacesOfSubmap = 24;  // its nodes that tell where it lies
+constexpr double kBlindDrift = 10.0;         // of odometry, times that of matched scans
 
 // A node to be searched in a submap.
 struct Candidate {
@@ -100,6 +101,7 @@ class LoopSearch {
   std::vector<PlaceScan> prepared_;                       // by node; empty until it is searched
   std::vector<std::map<std::size_t, Attempt>> attempts_;  // by submap and node: the last one
   std::vector<double> way_;                               // along the track, by node
+  std::vector<double> drifted_;  // the same, but blind stretches as long as what drifts as far with matches
   struct Stretch {
     double first = 0.0;
     double last = 0.0;
@@ -111,15 +113,23 @@ class LoopSearch {
 // Along all nodes of the track, not only those that are searched.
 void LoopSearch::MeasureWays() {
   std::vector<double> way_of_scan(track_.scans.size(), 0.0);
+  std::vector<double> drifted_of_scan = way_of_scan;
   double way = 0.0;
+  double drifted = 0.0;
   const TrackedScan* last = nullptr;
   for (const TrackedScan& scan : track_.scans) {
     if (!scan.is_node) continue;
-    if (last != nullptr) way += Between(last->local_from_scan, scan.local_from_scan).Translation().norm();
-    way_of_scan[static_cast<std::size_t>(scan.scan.value)] = way;
+    const auto index = static_cast<std::size_t>(scan.scan.value);
+    const double step =
+        last == nullptr ? 0.0 : Between(last->local_from_scan, scan.local_from_scan).Translation().norm();
+    way_of_scan[index] = way += step;
+    drifted_of_scan[index] = drifted += GoneBlind(scan) ? kBlindDrift * step : step;
     last = &scan;
   }
-  for (const ScanId node : nodes_) way_.push_back(way_of_scan[static_cast<std::size_t>(node.value)]);
+  for (const ScanId node : nodes_) {
+    way_.push_back(way_of_scan[static_cast<std::size_t>(node.value)]);
+    drifted_.push_back(drifted_of_scan[static_cast<std::size_t>(node.value)]);
+  }
   for (const Submap& submap : track_.submaps) {
     stretch_of_.push_back({way_of_scan[static_cast<std::size_t>(submap.nodes.front().value)],
                            way_of_scan[static_cast<std::size_t>(submap.nodes.back().value)]});
@@ -155,7 +165,7 @@ int LoopSearch::Search(Round round) {
 }
 
 LoopWays LoopSearch::WaysThroughLoops() const {
-  LoopWays ways(track_, block_, way_);
+  LoopWays ways(track_, block_, drifted_);
   for (const Loop& loop : result_.loops) {
     if (loop.accepted) ways.Close(static_cast<int>(NodeIndex(loop.constraint.scan)), loop.constraint.submap);
   }
@@ -254,7 +264,7 @@ std::vector<Loop> LoopSearch::ConsistentLoops(const Submap& submap) const {
   for (const auto& [node, attempt] : attempts_[static_cast<std::size_t>(submap.id.value)]) {
     if (!attempt.loop) continue;
     loops.push_back(*attempt.loop);
-    ways.push_back(way_[node]);
+    ways.push_back(drifted_[node]);
     local_poses.push_back(LocalPose(nodes_[node]));
   }
   KeepMutuallyConsistent(ways, local_poses, {options_.drift_m_per_m, options_.drift_rad_per_sqrt_m}, &loops);

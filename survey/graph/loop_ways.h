@@ -13,7 +13,7 @@ namespace survey {
 
 class LoopWays {
  public:
-  // way_along: of each of the block's nodes along the track, m.
+  // way_along: of each of the block's nodes along the track, m; longer where the track drifts more than usual.
   LoopWays(const Track& track, const BlockGraph& block, const std::vector<double>& way_along);
 
   // Joins what a closed loop ties; it counts as kLoopLength_m.

@@ -119,7 +119,9 @@ std::vector<FilterAnswer> AnswersInFilter(const survey::Answers& answers) {
   std::vector<FilterAnswer> in_filter;
   for (const survey::Answer& answer : answers) {
     if (answer.ActsInFilter()) {
-      in_filter.push_back({answer.reference, CanonicalLine(answer)});
+      // Its reference becomes an update; the first scan is one anyway.
+      const survey::ScanId from = answer.reference == survey::ScanId{0} ? answer.scan : answer.reference;
+      in_filter.push_back({from, CanonicalLine(answer)});
     } else if (answer.decision == survey::Decision::kRejectStretch) {
       in_filter.push_back({answer.scan, CanonicalLine(answer)});
     }

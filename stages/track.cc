@@ -114,7 +114,7 @@ survey::Track Filter(const survey::Session& session, const survey::Track& local,
                 " updates as in the last run");
   if (!cache.empty()) formats::WriteCheckpoint(cache, now);
   const survey::TrajectoryTree& tree = now.tree;
-  survey::Track track = survey::FollowBestTrajectory(session, local, tree);
+  survey::Track track = survey::FollowBestTrajectory(session, local, tree, answers, options);
   survey::AddFilterRequests(local, tree, options.drops_together, &track);
   return track;
 }

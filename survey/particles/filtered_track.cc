@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/particles/filtered_track.h"
 
+#include "survey/particles/traverse.h"
 #include "survey/submaps/marks.h"
 
 namespace survey {
@@ -44,9 +45,11 @@ void MoveSubmaps(const Track& local, Track* track) {
 
 }  // namespace
 
-Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree) {
+Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree,
+                           const Answers& answers, const ParticleFilterOptions& options) {
   Track track = local;
-  const std::vector<Pose2> trajectory = BestTrajectory(tree);
+  std::vector<Pose2> trajectory = BestTrajectory(tree);
+  CloseTraverses(local, tree, answers, options, &trajectory);
   for (std::size_t k = 0; k < tree.size(); ++k) BendBetween(local, tree, trajectory, k, &track);
   for (TrackedScan& scan : track.scans) {
     const double turn = scan.local_from_scan.theta - Tracked(local, scan.scan).theta;

@@ -5,13 +5,14 @@
 
 #include <vector>
 
-#include "survey/particles/trajectory_tree.h"
-#include "survey/submaps/track.h"
+#include "survey/particles/particle_filter.h"
 
 namespace survey {
 
 // `local` is the track of the scan matcher. Between two updates its motion is bent to fit both; submaps move with their
-// first nodes; constraints and marks are measured anew along the trajectory.
-Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree);
+// first nodes; constraints and marks are measured anew along the trajectory. The ways to poses that a person corrected
+// are closed (traverse.h).
+Track FollowBestTrajectory(const Session& session, const Track& local, const TrajectoryTree& tree,
+                           const Answers& answers = {}, const ParticleFilterOptions& options = {});
 
 }  // namespace survey

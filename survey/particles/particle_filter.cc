@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "survey/particles/update_motion.h"
 #include "survey/particles/weights.h"
 #include "survey/sensors/scan_points.h"
 #include "survey/stats/philox.h"
@@ -14,18 +15,22 @@
 namespace survey {
 namespace {
 
+// Of an answer that does not move particles, against the poses of its reference and its scan.
+double SquaredNormalisedResidual(const Answer& answer, const Pose2& reference, const Pose2& scan) {
+  if (answer.walls) return SquaredNormalisedResidual(*answer.walls, answer.wall_sigma, reference, scan);
+  const Pose2 shown = Between(reference, scan);
+  const Pose2& confirmed = answer.reference_from_scan;
+  const Eigen::Vector3d error(shown.x - confirmed.x, shown.y - confirmed.y,
+                              NormalizeAngle(shown.theta - confirmed.theta));
+  return error.cwiseQuotient(answer.sigma).squaredNorm();
+}
+
 enum class Purpose : std::uint32_t { kProposal = 0x70660001U, kResampling, kAnswer };
 
 struct Particle {
   Pose2 pose;
   double evidence = 0.0;
   ParticleMap map;
-};
-
-// Motion of the platform from one update to the next, covariance in the frame of the former.
-struct Motion {
-  Pose2 motion;
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();
 };
 
 class Filter {
@@ -53,7 +58,7 @@ class Filter {
       SeedAround(*answer);
     } else {
       Propagate(scan);
-      if (answer != nullptr && answer->walls) WeighWalls(*answer);
+      if (answer != nullptr) Weigh(*answer);
     }
     update.lost = !NormalizeLogWeights(&log_weights_);
     update.effective_size = EffectiveSampleSize(log_weights_);
@@ -101,29 +106,6 @@ class Filter {
     for (Particle& particle : particles_) particle.pose = Tracked(static_cast<std::size_t>(scan.value));
   }
 
-  bool Rejected(std::size_t i) const {
-    const ScanId scan{static_cast<int>(i)};
-    return std::any_of(answers_.begin(), answers_.end(), [&](const Answer& answer) {
-      return answer.decision == Decision::kRejectStretch && answer.scan <= scan && scan <= answer.end;
-    });
-  }
-
-  Motion MotionTo(ScanId scan) const {
-    const auto first = static_cast<std::size_t>(tree_.back().scan.value);
-    const auto last = static_cast<std::size_t>(scan.value);
-    double variance_m = 1e-6;
-    double variance_rad = 1e-7;
-    const auto square = [](double value) { return value * value; };
-    for (std::size_t i = first + 1; i <= last; ++i) {
-      const Pose2 step = Between(Tracked(i - 1), Tracked(i));
-      const double way = step.Translation().norm() + std::abs(step.theta);
-      const bool matched = track_.scans[i].matched && !Rejected(i);
-      variance_m += way * square(matched ? options_.matched_sigma_m_per_rtm : options_.unmatched_sigma_m_per_rtm);
-      variance_rad += way * square(matched ? options_.matched_sigma_rad_per_rtm : options_.unmatched_sigma_rad_per_rtm);
-    }
-    return {Between(Tracked(first), Tracked(last)), Eigen::Vector3d(variance_m, variance_m, variance_rad).asDiagonal()};
-  }
-
   // Augmented resampling, [AS] eq. (4)-(5): every particle is moved to the answered pose in its own map (the reference
   // scan stands elsewhere in each), blurred by the answer's sigmas, matched and weighted.
   // The match begins near: walls that were drawn displaced stand a little farther off and must not catch it.
@@ -140,13 +122,12 @@ class Filter {
     });
   }
 
-  // What a person knows of two walls, in each particle's own map.
-  void WeighWalls(const Answer& answer) {
+  // What a person confirmed, or knows of two walls, in each particle's own map.
+  void Weigh(const Answer& answer) {
     const std::size_t reference = UpdateAt(answer.reference);
     for (std::size_t i = 0; i < particles_.size(); ++i) {
       const double log_weight =
-          -0.5 * SquaredNormalisedResidual(*answer.walls, answer.wall_sigma, PoseOfAncestor(tree_, i, reference),
-                                           particles_[i].pose);
+          -0.5 * SquaredNormalisedResidual(answer, PoseOfAncestor(tree_, i, reference), particles_[i].pose);
       particles_[i].evidence += log_weight;
       log_weights_[i] += log_weight;
     }
@@ -166,7 +147,7 @@ class Filter {
 
   // Pose propagation, scan matching and importance weighting of [AS] section III.
   void Propagate(ScanId scan) {
-    const Motion motion = MotionTo(scan);
+    const UpdateMotion motion = MotionBetween(track_, tree_.back().scan, scan, answers_, options_);
     tbb::parallel_for(std::size_t{0}, particles_.size(), [&](std::size_t i) {
       const Particle& particle = particles_[i];
       const Pose2 predicted = particle.pose * motion.motion;

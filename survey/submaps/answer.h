@@ -59,7 +59,7 @@ struct Answer {
   }
   bool HasRelativePose() const { return HasPose() && !site_from_scan; }
   bool MovesParticles() const { return HasRelativePose() && decision != Decision::kConfirm; }
-  bool ActsInFilter() const { return MovesParticles() || walls; }
+  bool ActsInFilter() const { return HasRelativePose() || walls; }
   bool ActsInLocalFrame() const { return HasRelativePose() || walls || decision == Decision::kRejectStretch; }
 };
 

@@ -72,11 +72,15 @@ TEST(FilterCheckpoint, UpdatesHoldUpToTheFirstScanThatAChangedAnswerTouches) {
             9U);
 }
 
+TEST(FilterCheckpoint, TheFirstScanIsAnUpdateWhateverIsAnswered) {
+  EXPECT_EQ(Hold({}, {{.scan = {40}, .decision = Decision::kConfirm, .reference = {0}}}), 4U);
+  EXPECT_EQ(Hold({}, {{.scan = {40}, .decision = Decision::kConfirm, .reference = {20}}}), 2U);
+}
+
 TEST(FilterCheckpoint, AnswersThatTheFilterDoesNotUseChangeNothing) {
-  const Answer confirm{.scan = {40}, .decision = Decision::kConfirm, .reference = {5}};
   Answer in_site = Correct(30, -1);
   in_site.site_from_scan = survey::Pose2{1.0, 2.0, 3.0};
-  EXPECT_EQ(Hold({}, {in_site, confirm, {.scan = {60}, .decision = Decision::kSkip}}), 10U);
+  EXPECT_EQ(Hold({}, {in_site, {.scan = {60}, .decision = Decision::kSkip}}), 10U);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -182,6 +183,23 @@ TEST_F(RingWalk, AnAnswerBringsTheParticlesBackInTheFilterAndRepairsThePastInThe
   };
   EXPECT_GT(end_error(FollowBestTrajectory(*session, broken, Run(broken, {}))), 1.0);
   EXPECT_LT(end_error(FollowBestTrajectory(*session, broken, Run(broken, answers))), 0.3);
+}
+
+TEST_F(RingWalk, AConfirmedPoseIsKeptByTheParticlesThatHaveIt) {
+  const TrajectoryTree before = Run(*local, {}, 8);
+  const auto update = std::find_if(before.begin() + 40, before.end(), [](const auto& each) { return !each.resampled; });
+  const auto k = static_cast<std::size_t>(update - before.begin());
+  const auto apart = [](const Pose2& a, const Pose2& b) { return (a.Translation() - b.Translation()).norm(); };
+  const auto other = std::max_element(update->poses.begin(), update->poses.end(), [&](const auto& a, const auto& b) {
+    return apart(a, update->poses[0]) < apart(b, update->poses[0]);
+  });
+  const auto particle = static_cast<std::size_t>(other - update->poses.begin());
+  Answer confirmed{.name = "a.json", .scan = update->scan, .decision = Decision::kConfirm, .reference = {0}};
+  confirmed.reference_from_scan = Between(PoseOfAncestor({before.begin(), update + 1}, particle, 0), *other);
+  confirmed.sigma = Eigen::Vector3d(0.1, 0.1, 0.1) * apart(*other, update->poses[0]);
+  const TrajectoryTree after = Run(*local, {confirmed}, 8);
+  EXPECT_TRUE(after[k].resampled);
+  for (const Pose2& pose : after[k].poses) EXPECT_LT(apart(pose, *other), 0.7 * apart(update->poses[0], *other));
 }
 
 TEST_F(RingWalk, TheGraphNamesAGrosslyWrongAnswerAndOnlyThat) {

@@ -81,18 +81,55 @@ void AddMemberships(const Track& track, BlockGraph* block) {
   }
 }
 
+// Whether the motion from one node to the next lies in a blind stretch, by the pieces.
+class BlindMotions {
+ public:
+  explicit BlindMotions(const std::vector<int>& pieces) : before_(pieces), behind_(pieces) {
+    for (std::size_t i = 1; i < pieces.size(); ++i) {
+      if (before_[i] < 0) before_[i] = before_[i - 1];
+      const std::size_t j = pieces.size() - 1 - i;
+      if (behind_[j] < 0) behind_[j] = behind_[j + 1];
+    }
+  }
+  bool Between(ScanId from, ScanId to) const {
+    return before_[static_cast<std::size_t>(from.value)] != behind_[static_cast<std::size_t>(to.value)];
+  }
+
+ private:
+  std::vector<int> before_;  // piece of the last scan with a match up to each
+  std::vector<int> behind_;  // and of the first one from it on
+};
+
+// How far the first match behind a blind scan lies from where the platform was going.
+Eigen::Vector3d JumpTo(const Track& track, ScanId matched) {
+  const auto pose = [&](int scan) { return track.scans[static_cast<std::size_t>(scan)].local_from_scan; };
+  const int scan = matched.value;
+  if (scan < 2) return Eigen::Vector3d::Zero();
+  const Pose2 expected = pose(scan - 1) * Between(pose(scan - 2), pose(scan - 1));
+  const Pose2 jump = Between(expected, pose(scan));
+  return {jump.Translation().norm(), jump.Translation().norm(), jump.theta};
+}
+
+Eigen::Matrix3d CovarianceOfMotion(const TrackedScan& from, const TrackedScan& to, double way) {
+  Eigen::Matrix3d covariance = from.covariance + to.covariance;
+  covariance.diagonal() += Eigen::Vector3d(1e-5 + 1e-4 * way, 1e-5 + 1e-4 * way, 1e-6 + 1e-5 * way);
+  return covariance;
+}
+
 // The motion from node to node as the track has it: keeps the shape of the trajectory when something pulls at one node.
+// Where the track found itself again behind a blind stretch, the jump is as uncertain as it is large.
 void AddMotions(const Track& track, BlockGraph* block) {
+  const BlindMotions blind(PiecesBetweenBlindStretches(track));
   for (std::size_t n = 1; n < block->nodes.size(); ++n) {
     const TrackedScan& from = track.scans[static_cast<std::size_t>(block->nodes[n - 1].value)];
     const TrackedScan& to = track.scans[static_cast<std::size_t>(block->nodes[n].value)];
     const Pose2 motion = Between(from.local_from_scan, to.local_from_scan);
-    const double way = motion.Translation().norm();
-    Eigen::Matrix3d covariance = from.covariance + to.covariance;
-    covariance.diagonal() += Eigen::Vector3d(1e-5 + 1e-4 * way, 1e-5 + 1e-4 * way, 1e-6 + 1e-5 * way);
+    Eigen::Matrix3d covariance = CovarianceOfMotion(from, to, motion.Translation().norm());
+    const bool in_blind = blind.Between(from.scan, to.scan);
+    if (in_blind && !GoneBlind(to)) covariance.diagonal() += JumpTo(track, to.scan).cwiseAbs2();
     const int base = static_cast<int>(block->num_submaps + n);
-    block->graph.edges.push_back(
-        {base - 1, base, motion, RotatedCovariance(covariance, -from.local_from_scan.theta), false, EdgeKind::kMotion});
+    block->graph.edges.push_back({base - 1, base, motion, RotatedCovariance(covariance, -from.local_from_scan.theta),
+                                  false, EdgeKind::kMotion, in_blind});
   }
 }
 

@@ -45,6 +45,7 @@ struct PoseEdge {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity();  // x, y (m), theta (rad)
   bool robust = false;  // under the robust loss: measurements that may be wrong altogether (loop closures)
   EdgeKind kind = EdgeKind::kScanMatch;
+  bool blind = false;  // a motion without any match: its covariance is not scaled with that of the track
 };
 
 // [CN] eq. (11): the point stood at p_in_pose of a pose.

@@ -99,7 +99,9 @@ class FactorSearch {
   // Puts the factors to these values; true when they hardly changed.
   bool Apply(const NetworkFactors& factors) {
     const double by_track = factors.track / result_.factors.track, by_loops = factors.loops / result_.factors.loops;
-    for (PoseEdge& edge : graph_.edges) edge.covariance *= IsLoop(edge) ? by_loops : by_track;
+    for (PoseEdge& edge : graph_.edges) {
+      if (!edge.blind) edge.covariance *= IsLoop(edge) ? by_loops : by_track;
+    }
     result_.alone.squares /= by_track;
     result_.factors = factors;
     return IsOne(by_track) && IsOne(by_loops);
@@ -125,7 +127,7 @@ KindEvidence EvidenceOf(const PoseGraph& graph, const GraphCovariance& covarianc
                         std::initializer_list<EdgeKind> kinds) {
   KindEvidence sum;
   for (const PoseEdge& edge : graph.edges) {
-    if (std::find(kinds.begin(), kinds.end(), edge.kind) == kinds.end()) continue;
+    if (edge.blind || std::find(kinds.begin(), kinds.end(), edge.kind) == kinds.end()) continue;
     sum.squares += SquaredNormalisedResidual(edge, graph.poses);
     sum.redundancy += covariance.RedundancyOf(edge);
   }

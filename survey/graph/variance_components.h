@@ -24,7 +24,7 @@ struct KindEvidence {
   double Factor() const { return redundancy > 0.0 ? squares / redundancy : 0.0; }
 };
 
-// Over the edges of some kinds.
+// Over the edges of some kinds, without blind motions.
 KindEvidence EvidenceOf(const PoseGraph& graph, const GraphCovariance& covariance,
                         std::initializer_list<EdgeKind> kinds);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "survey/graph/answers_against_loops.h"
 #include "survey/graph/block_graph.h"
 #include "survey/graph/control_tie.h"
 #include "survey/graph/graph_covariance.h"
@@ -13,8 +14,6 @@
 
 namespace survey {
 namespace {
-
-constexpr double kOutsideMap_m = 100.0;
 
 Eigen::Vector2d MarkPosition(const PoseGraph& graph, const MarkEdge& mark) {
   return graph.poses[static_cast<std::size_t>(mark.pose)] * mark.p_in_pose;
@@ -159,29 +158,6 @@ std::vector<VarianceComponent> Components(const PoseGraph& graph, const KindEvid
   return components;
 }
 
-// Answers in the site frame need a block that control holds by two points.
-void NameUnusedSiteAnswers(const Answers& answers, std::vector<AnswerTest>* tests) {
-  for (const Answer& answer : answers) {
-    if (answer.site_from_scan)
-      tests->push_back({.name = answer.name,
-                        .scan = answer.scan,
-                        .not_used = "it is in the site frame, but two control points do not tie the block"});
-  }
-}
-
-// A site answer that lies nowhere near the way of the block; empty when there is none.
-std::string AnswerOutsideMap(const Answers& answers, const std::vector<SolvedScan>& scans) {
-  for (const Answer& answer : answers) {
-    if (!answer.site_from_scan) continue;
-    const Eigen::Vector2d place = answer.site_from_scan->Translation();
-    const bool near = std::any_of(scans.begin(), scans.end(), [&](const SolvedScan& scan) {
-      return (scan.site_from_scan.Translation() - place).norm() < kOutsideMap_m;
-    });
-    if (!near) return "answer " + answer.name + ": pose: outside the map: farther than 100 m from the way of the block";
-  }
-  return "";
-}
-
 // Memberships and motions agree with each other whatever their errors: their own conditions test nothing.
 AdjustmentStatistics Statistics(const BlockGraph& block, const PoseGraphSummary& summary, const KindEvidence& alone) {
   AdjustmentStatistics statistics;
@@ -244,8 +220,16 @@ class Adjuster {
     const std::string impossible = ProblemWithWalls(answers_, PosesOfAllScans(track_, block_, stamps_));
     if (!impossible.empty()) return Fail(impossible);
     first_answer_ = AddAnswers(track_, answers_, &block_);
-    return std::none_of(answers_.begin(), answers_.end(), [](const Answer& a) { return a.ActsInLocalFrame(); }) ||
-           SolveAgain();
+    if (std::none_of(answers_.begin(), answers_.end(), [](const Answer& a) { return a.ActsInLocalFrame(); })) return true;
+    const std::vector<Pose2> free_poses = block_.graph.poses;
+    if (!SolveAgain()) return false;
+    const auto freed =
+        FollowAnswersAgainstLoops(first_answer_, free_poses, result_.factors.loops, options_.tie.solver, &block_);
+    if (!freed) return true;
+    summary_ = freed->summary;
+    loops_left_out_ = freed->loops_left_out;
+    first_answer_ -= loops_left_out_;
+    return true;
   }
 
   bool SolveAgain() {
@@ -291,7 +275,7 @@ class Adjuster {
     if (std::none_of(answers_.begin(), answers_.end(), [](const Answer& answer) { return answer.site_from_scan; }))
       return true;
     if (points_.size() < 2) {
-      NameUnusedSiteAnswers(answers_, &result_.answers);
+      result_.answers = UnusedSiteAnswers(answers_);
       return true;
     }
     const auto covariance = GraphCovariance::Of(block_.graph);
@@ -336,6 +320,9 @@ class Adjuster {
       if (const std::string sentence = SentenceOn(test); !sentence.empty())
         result_.solution.findings.push_back(sentence);
     }
+    if (loops_left_out_ > 0)
+      result_.solution.findings.push_back(std::to_string(loops_left_out_) +
+                                          " loops contradict answers that agree with each other and were left out");
     if (points_.size() > 1) message_ = AnswerOutsideMap(answers_, result_.solution.scans);
   }
 
@@ -349,6 +336,7 @@ class Adjuster {
   FreeSolution free_;
   PoseGraphSummary summary_;
   std::size_t first_answer_ = 0;
+  std::size_t loops_left_out_ = 0;
   ControlTie tie_;
   std::string message_;
   BlockAdjustment result_;

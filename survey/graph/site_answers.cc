@@ -14,6 +14,8 @@ namespace {
 constexpr double kDrift_m_per_m = 0.05;
 constexpr double kDrift_rad_per_m = 0.02;
 
+constexpr double kOutsideMap_m = 100.0;
+
 const Pose2& Tracked(const Track& track, ScanId scan) {
   return track.scans[static_cast<std::size_t>(scan.value)].local_from_scan;
 }
@@ -96,6 +98,29 @@ std::vector<AnswerTest> TestSiteAnswers(const Answers& answers, const std::vecto
     }
   }
   return tests;
+}
+
+std::vector<AnswerTest> UnusedSiteAnswers(const Answers& answers) {
+  std::vector<AnswerTest> tests;
+  for (const Answer& answer : answers) {
+    if (!answer.site_from_scan) continue;
+    tests.push_back({.name = answer.name,
+                     .scan = answer.scan,
+                     .not_used = "it is in the site frame, but two control points do not tie the block"});
+  }
+  return tests;
+}
+
+std::string AnswerOutsideMap(const Answers& answers, const std::vector<SolvedScan>& scans) {
+  for (const Answer& answer : answers) {
+    if (!answer.site_from_scan) continue;
+    const Eigen::Vector2d place = answer.site_from_scan->Translation();
+    const bool near = std::any_of(scans.begin(), scans.end(), [&](const SolvedScan& scan) {
+      return (scan.site_from_scan.Translation() - place).norm() < kOutsideMap_m;
+    });
+    if (!near) return "answer " + answer.name + ": pose: outside the map: farther than 100 m from the way of the block";
+  }
+  return "";
 }
 
 }  // namespace survey

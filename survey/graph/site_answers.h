@@ -8,6 +8,7 @@
 
 #include "survey/graph/answer_factors.h"
 #include "survey/graph/graph_covariance.h"
+#include "survey/graph/solution.h"
 
 namespace survey {
 
@@ -25,5 +26,11 @@ std::vector<AnswerTest> AddSiteAnswers(const Track& track, const Answers& answer
 // Of the edges that were added, after the adjustment with them.
 std::vector<AnswerTest> TestSiteAnswers(const Answers& answers, const std::vector<AnswerTest>& left_out,
                                         const BlockGraph& block, std::size_t first_edge);
+
+// Of a block that two control points do not tie: none is used.
+std::vector<AnswerTest> UnusedSiteAnswers(const Answers& answers);
+
+// Names an answer that lies nowhere near the way of the block; empty when there is none.
+std::string AnswerOutsideMap(const Answers& answers, const std::vector<SolvedScan>& scans);
 
 }  // namespace survey

@@ -175,6 +175,84 @@ TEST_F(SquareWalk, ARelationThatTheWallsCannotHoldIsRefused) {
       << adjustment.message;
 }
 
+// False loops, 2 m off but all of one opinion, from the end of the walk to its begin; answers that know better.
+struct FalseLoops : public SquareWalk {
+  FalseLoops() {
+    for (int node = 140; node < kNodes; node += 2) {
+      Loop loop{.constraint = {{0}, {node}, Between(Truth(0), Truth(node))}};
+      loop.constraint.submap_from_scan.x += 2.0;
+      loop.constraint.covariance = Eigen::Vector3d(4e-4, 4e-4, 1e-5).asDiagonal();
+      loops.loops.push_back(loop);
+    }
+  }
+  static Answer Correct(int node) {
+    Answer answer{.name = std::to_string(node), .scan = {node}, .decision = Decision::kCorrect, .reference = {2}};
+    answer.reference_from_scan = Between(Truth(2), Truth(node));
+    return answer;
+  }
+  BlockAdjustment AdjustWithLoops(const Answers& answers) const {
+    return AdjustBlock(track, loops, {}, stamps, {}, answers);
+  }
+  Loops loops;
+};
+
+TEST_F(FalseLoops, TwoAnswersFreeTheSolutionOneIsNamed) {
+  const BlockAdjustment one = AdjustWithLoops({Correct(150)});
+  EXPECT_TRUE(one.answers.at(0).in_conflict);
+  const BlockAdjustment two = AdjustWithLoops({Correct(145), Correct(155)});
+  ASSERT_EQ(two.answers.size(), 2U);
+  EXPECT_FALSE(two.answers[0].in_conflict || two.answers[1].in_conflict);
+  const Pose2 motion = Between(two.solution.scans[2].site_from_scan, two.solution.scans[150].site_from_scan);
+  EXPECT_LT((motion.Translation() - Between(Truth(2), Truth(150)).Translation()).norm(), 0.2);
+  EXPECT_EQ(two.solution.statistics.num_loops, 0);
+  EXPECT_EQ(two.solution.findings.size(), 1U);  // which says so
+}
+
+TEST_F(FalseLoops, AnswersOfDifferentOpinionsDoNotFreeTheSolution) {
+  Answer elsewhere = Correct(155);
+  elsewhere.reference_from_scan.y += 2.0;
+  const BlockAdjustment adjustment = AdjustWithLoops({Correct(145), elsewhere});
+  EXPECT_TRUE(adjustment.answers.at(0).in_conflict && adjustment.answers.at(1).in_conflict);
+  EXPECT_EQ(static_cast<std::size_t>(adjustment.solution.statistics.num_loops), loops.loops.size());
+}
+
+// Straight on for 30 m; between nodes 25 and 33 nothing was matched, and the odometry missed a turn.
+TEST(BlindStretch, TakesTheErrorThatAnAnswerShowsAndTheRestStaysRigid) {
+  Track track;
+  std::vector<StampNs> stamps;
+  const auto truth = [](int node) {
+    const Pose2 pose{0.5 * node, 0.0, 0.0};
+    const Pose2 fault{12.5, 0.6, 0.12};
+    return node < 33 ? pose : fault * Pose2{pose.x - 12.5, 0.0, 0.0};
+  };
+  for (int node = 0; node < 60; ++node) {
+    const bool blind = node >= 25 && node < 33;
+    const Eigen::Vector3d variances = blind ? Eigen::Vector3d(1.8e-3, 1.8e-3, 2e-4) : Eigen::Vector3d(1e-4, 1e-4, 1e-5);
+    track.scans.push_back({.scan = {node},
+                           .local_from_scan = {0.5 * node, 0.0, 0.0},
+                           .covariance = variances.asDiagonal(),
+                           .prediction = Prediction::kOdometry,
+                           .matched = !blind,
+                           .is_node = true});
+    stamps.push_back(1000000000L * node);
+  }
+  for (int first = 0; first < 60; first += 20) AddSubmap(first, std::min(first + 40, 60), &track);
+  Answer answer{.name = "a.json", .scan = {55}, .decision = Decision::kCorrect, .reference = {5}};
+  answer.reference_from_scan = Between(truth(5), truth(55));
+  answer.sigma = {0.02, 0.02, 0.005};
+  const BlockAdjustment adjustment = AdjustBlock(track, {}, {}, stamps, {}, {answer});
+  ASSERT_TRUE(adjustment.usable) << adjustment.message;
+  const auto error = [&](int node) {
+    const Pose2 moved = Between(adjustment.solution.scans[5].site_from_scan,
+                                adjustment.solution.scans[static_cast<std::size_t>(node)].site_from_scan);
+    return (moved.Translation() - Between(truth(5), truth(node)).Translation()).norm();
+  };
+  EXPECT_LT(error(20), 0.05);
+  EXPECT_LT(error(40), 0.15);  // 0.76 m without the answer
+  EXPECT_LT(error(55), 0.1);
+  EXPECT_FALSE(adjustment.answers[0].in_conflict);
+}
+
 TEST(WallRelation, DerivativesAgreeWithDifferences) {
   const Eigen::Vector3d base(1.0, -2.0, 0.7);
   const Eigen::Vector3d target(3.0, 0.5, 0.9);

@@ -71,6 +71,56 @@ WallEdge WallsOf(const Track& track, const Answer& answer, const BlockGraph& blo
   return {block.PoseOf(base), block.PoseOf(target), walls, answer.wall_sigma};
 }
 
+// Of all answers that observe something, in their order.
+std::vector<AnswerTest> TestEach(const Answers& answers, const PoseGraph& graph, std::size_t first_edge) {
+  std::vector<AnswerTest> tests;
+  auto edge = graph.edges.begin() + static_cast<std::ptrdiff_t>(first_edge);
+  auto walls = graph.walls.begin();
+  for (const Answer& answer : answers) {
+    if (answer.HasRelativePose())
+      tests.push_back(JudgeAnswer(answer, SquaredNormalisedResidual(*edge++, graph.poses), 3));
+    if (!answer.walls) continue;
+    const WallEdge& known = *walls++;
+    const double chi_square =
+        SquaredNormalisedResidual(known.walls, known.sigma, graph.poses[static_cast<std::size_t>(known.base)],
+                                  graph.poses[static_cast<std::size_t>(known.target)]);
+    tests.push_back(JudgeAnswer(answer, chi_square, known.walls.Rows()));
+  }
+  return tests;
+}
+
+// Of those in conflict that are not named yet the worst, and those half as bad.
+std::vector<std::size_t> Worst(const std::vector<AnswerTest>& tests, const std::vector<bool>& named) {
+  double largest = 0.0;
+  const auto open = [&](std::size_t i) { return tests[i].in_conflict && !named[i]; };
+  const auto size = [&](std::size_t i) { return tests[i].chi_square / tests[i].limit; };
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (open(i)) largest = std::max(largest, size(i));
+  }
+  std::vector<std::size_t> worst;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (open(i) && size(i) >= 0.5 * largest) worst.push_back(i);
+  }
+  return worst;
+}
+
+// The answer of a test observes nothing any more.
+void LetGo(const Answers& answers, std::size_t test, std::size_t first_edge, PoseGraph* graph) {
+  constexpr double kNothing = 1e4;  // times its sigmas
+  std::size_t edge = first_edge;
+  std::size_t walls = 0;
+  for (const Answer& answer : answers) {
+    if (!answer.HasRelativePose() && !answer.walls) continue;
+    if (test-- > 0) {
+      ++(answer.walls ? walls : edge);
+    } else {
+      if (answer.walls) graph->walls[walls].sigma *= kNothing;
+      if (!answer.walls) graph->edges[edge].covariance *= kNothing * kNothing;
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 AnswerTest JudgeAnswer(const Answer& answer, double chi_square, int degrees_of_freedom) {
@@ -113,20 +163,26 @@ std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* b
   return first;
 }
 
-std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge) {
-  const std::vector<Pose2>& poses = block.graph.poses;
-  std::vector<AnswerTest> tests;
-  auto edge = block.graph.edges.begin() + static_cast<std::ptrdiff_t>(first_edge);
-  auto walls = block.graph.walls.begin();
-  for (const Answer& answer : answers) {
-    if (answer.HasRelativePose()) tests.push_back(JudgeAnswer(answer, SquaredNormalisedResidual(*edge++, poses), 3));
-    if (!answer.walls) continue;
-    const WallEdge& known = *walls++;
-    tests.push_back(
-        JudgeAnswer(answer,
-                    SquaredNormalisedResidual(known.walls, known.sigma, poses[static_cast<std::size_t>(known.base)],
-                                              poses[static_cast<std::size_t>(known.target)]),
-                    known.walls.Rows()));
+std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge,
+                                    const PoseGraphOptions& options) {
+  std::vector<AnswerTest> tests = TestEach(answers, block.graph, first_edge);
+  const auto num_conflicts =
+      std::count_if(tests.begin(), tests.end(), [](const auto& test) { return test.in_conflict; });
+  if (num_conflicts < 2) return tests;
+  PoseGraph rest = block.graph;
+  std::vector<bool> named(tests.size(), false);
+  while (true) {
+    const std::vector<std::size_t> worst = Worst(tests, named);
+    if (worst.empty()) break;
+    for (const std::size_t i : worst) {
+      named[i] = true;
+      LetGo(answers, i, first_edge, &rest);
+    }
+    if (!Solve(&rest, options).usable) break;
+    const std::vector<AnswerTest> without = TestEach(answers, rest, first_edge);
+    for (std::size_t i = 0; i < tests.size(); ++i) {
+      if (!named[i]) tests[i] = without[i];
+    }
   }
   return tests;
 }

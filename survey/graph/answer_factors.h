@@ -35,7 +35,9 @@ std::string ProblemWithWalls(const Answers& answers, const std::vector<Pose2>& p
 // the order of the answers.
 std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* block);
 
-// Those of AddAnswers, after the adjustment: three degrees of freedom, or as many as a relation has.
-std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge);
+// Those of AddAnswers, after the adjustment: three degrees of freedom, or as many as a relation has. A wrong answer
+// bends right ones: where several are in conflict the worst is named and the others are tested without it, and so on.
+std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge,
+                                    const PoseGraphOptions& options);
 
 }  // namespace survey

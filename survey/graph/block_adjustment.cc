@@ -314,7 +314,7 @@ class Adjuster {
   }
 
   void ReportAnswers() {
-    const std::vector<AnswerTest> others = TestAnswers(answers_, block_, first_answer_);
+    const std::vector<AnswerTest> others = TestAnswers(answers_, block_, first_answer_, options_.tie.solver);
     result_.answers.insert(result_.answers.end(), others.begin(), others.end());
     for (const AnswerTest& test : result_.answers) {
       if (const std::string sentence = SentenceOn(test); !sentence.empty())

@@ -167,6 +167,19 @@ TEST_F(SquareWalk, PerpendicularWallsTakeTheDriftOutOfTheHeadingAlone) {
   EXPECT_EQ(with.solution.statistics.degrees_of_freedom, without.solution.statistics.degrees_of_freedom + 1);
 }
 
+TEST_F(SquareWalk, AWrongAnswerIsNamedAndNotThoseThatItBends) {
+  const auto at = [](int node) {
+    Answer answer{.name = std::to_string(node), .scan = {node}, .decision = Decision::kCorrect, .reference = {2}};
+    answer.reference_from_scan = Between(Truth(2), Truth(node));
+    return answer;
+  };
+  Answers answers = {at(100), at(104), at(108), at(112)};
+  answers[2].reference_from_scan.x += 2.0;
+  const BlockAdjustment adjustment = AdjustBlock(track, {}, {}, stamps, {}, answers);
+  ASSERT_EQ(adjustment.answers.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(adjustment.answers[i].in_conflict, i == 2) << i;
+}
+
 TEST_F(SquareWalk, ARelationThatTheWallsCannotHoldIsRefused) {
   const BlockAdjustment adjustment = Adjust({Related(WallRelation::kPerpendicular, 35, 0.0)});
   EXPECT_FALSE(adjustment.usable);

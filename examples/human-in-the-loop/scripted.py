@@ -43,14 +43,21 @@ def between(a, b):
     return (c * dx + s * dy, -s * dx + c * dy, math.remainder(b[2] - a[2], 2.0 * math.pi))
 
 
-def largest_error(estimate, truth):
-    """Largest distance of a pose from the truth after the rigid fit of all."""
+def fitted(estimate, truth):
+    """The estimated poses after the rigid fit of all on the truth."""
     e = [complex(x, y) for x, y, _ in estimate]
     t = [complex(x, y) for x, y, _ in truth]
     mean_e, mean_t = sum(e) / len(e), sum(t) / len(t)
     turn = sum((b - mean_t) * (a - mean_e).conjugate() for a, b in zip(e, t))
     turn /= abs(turn)
-    return max(abs((a - mean_e) * turn - (b - mean_t)) for a, b in zip(e, t))
+    angle = math.atan2(turn.imag, turn.real)
+    places = [(a - mean_e) * turn + mean_t for a in e]
+    return [(place.real, place.imag, theta + angle) for place, (_, _, theta) in zip(places, estimate)]
+
+
+def largest_error(estimate, truth):
+    """Largest distance of a pose from the truth after the rigid fit of all."""
+    return max(math.dist(a[:2], b[:2]) for a, b in zip(fitted(estimate, truth), truth))
 
 
 def select(file, query):
@@ -60,7 +67,7 @@ def select(file, query):
 
 class Run:
     def __init__(self, folder, metres, light, particles, seed):
-        self.folder, self.particles, self.seed = folder, particles, seed
+        self.folder, self.metres, self.particles, self.seed = folder, metres, particles, seed
         folder.mkdir(parents=True, exist_ok=True)
         write_scenario(folder / "hall.toml", {"range": metres, **LIGHT[light]})
         stage("simulate", "--scenario", folder / "hall.toml", "--output", folder / "field", "--seed", seed)
@@ -99,9 +106,6 @@ class Run:
         asked = [json.loads(line) for line in output.read_text(encoding="utf-8").splitlines()[1:]]
         return [r for r in asked if r["answer"] is None and r["reference"] and r["reference"]["kind"] == "earlier pass"]
 
-    def error(self, file):
-        return largest_error(self.poses(file), self.truth)
-
     @staticmethod
     def poses(file):
         return select(file, "SELECT x, y, theta FROM scans ORDER BY scan")
@@ -122,7 +126,7 @@ class Operator:
             old.unlink()
         self.noise = random.Random(run.seed)
         self.stamps = run.stamps(run.session)
-        self.files, self.changed, self.wrong = [], 0, []
+        self.files, self.changed, self.wrong, self.righted = [], 0, [], []
 
     def answer(self, scan, reference, shown):
         """Writes the answer to a pose that is shown relative to a reference; true when it changes the pose."""
@@ -148,8 +152,9 @@ class Operator:
         return [pose[0] + self.noise.gauss(0, 0.04), pose[1] + self.noise.gauss(0, 0.04), pose[2] + self.noise.gauss(0, 0.012)]
 
     def look_again(self, names):
-        """Rights the grossly wrong ones among some answers; true when there were any."""
-        wrong = [name for name in names if name in self.wrong]
+        """Rights the grossly wrong ones among some answers; true when there were any that he had not looked at."""
+        wrong = [name for name in names if name in self.wrong and name not in self.righted]
+        self.righted += wrong
         for name in wrong:
             answer = json.loads((self.folder / name).read_text(encoding="utf-8"))
             scan, reference = (self.stamps.index(stamp) for stamp in (answer["stamp_ns"], answer["ref"]["stamp_ns"]))

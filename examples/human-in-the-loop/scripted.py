@@ -3,6 +3,7 @@
 
 import json
 import math
+import os
 import pathlib
 import random
 import re
@@ -10,7 +11,7 @@ import sqlite3
 import subprocess
 
 HERE = pathlib.Path(__file__).resolve().parent
-BIN = HERE.parent.parent / "build" / "bin"
+BIN = pathlib.Path(os.environ.get("PLUMBLINE_BIN", HERE.parent.parent / "build" / "bin"))
 LIGHT = {"day": {"dropout": 0.06, "glass": 0.1}, "night": {"dropout": 0.02, "glass": 0.3}}
 
 

@@ -8,15 +8,21 @@ import { join } from "node:path";
 
 const kCorner = Array.from({ length: 40 }, (_, i) => (i < 20 ? [2, -1 + 0.1 * i] : [0.1 * (i - 20), 1]));
 
-// Poses of a block's scans in the site frame: [{ns, x, y, theta}].
-function posesOf(site, block) {
-  const text = execFileSync("plumbline-show", [join(site, "work", block, "solution.sqlite"), "--trajectory", "tum"]);
+// Poses of scans as a TUM file has them: [{ns, x, y, theta}].
+export function posesOfTum(text) {
   const rows = String(text).split("\n").filter((line) => line && !line.startsWith("#"));
   return rows.map((line) => {
     const [t, x, y, , , , qz, qw] = line.split(" ");
     const [seconds, fraction = ""] = t.split(".");
     return { ns: String(BigInt(seconds + fraction.padEnd(9, "0"))), x: +x, y: +y, theta: 2 * Math.atan2(+qz, +qw) };
   });
+}
+
+// Of a block's scans in the site frame.
+export function posesOf(site, block) {
+  return posesOfTum(
+    execFileSync("plumbline-show", [join(site, "work", block, "solution.sqlite"), "--trajectory", "tum"]),
+  );
 }
 
 function requestAbout(block, poses, i, rank) {

@@ -8,7 +8,7 @@ import { execFileSync } from "node:child_process";
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { writeRequests } from "./requests.mjs";
-import { openPage, startBrowser, startServer } from "./server.mjs";
+import { dragScan, openPage, siteUnder, startBrowser, startServer } from "./server.mjs";
 
 const kStep_m = 0.05;
 const kTurn_rad = (0.5 * Math.PI) / 180;
@@ -30,12 +30,7 @@ const press = async (...keys) => {
 };
 const times = (count, key) => Array(count).fill(key);
 
-// Site coordinates under the mouse, as the page shows them.
-async function siteAt([x, y]) {
-  await page.mouse.move(x, y);
-  const text = await page.locator(".ol-mouse-position").innerText();
-  return text.match(/-?\d+\.\d+/g).map(Number);
-}
+const siteAt = (pixel) => siteUnder(page, pixel);
 
 async function numAnswered() {
   return page.locator('#requests button:not([data-state="open"])').count();
@@ -54,7 +49,7 @@ for (const [i, request] of requests.entries()) {
     offsets.set(request.stamp_ns, [2 * kStep_m, -kStep_m, (i - 5) * kTurn_rad]);
     await press(...times(2, "ArrowRight"), "ArrowDown", ...(i === 4 ? ["e"] : i === 6 ? ["q"] : []), "Enter");
   } else if (i === 7) {
-    offsets.set(request.stamp_ns, await drag(request, [120, -60]));
+    offsets.set(request.stamp_ns, [...(await dragScan(page, [120, -60])), 0]);
     await press("Enter");
   } else if (i === 8) {
     await page.locator("#modes button").click();
@@ -66,20 +61,6 @@ for (const [i, request] of requests.entries()) {
 }
 assert.equal(await numAnswered(), 10);
 console.log(`seconds per answer: ${((Date.now() - firstShown) / 10000).toFixed(1)}`);
-
-// Takes hold of the scan at its centre, which the page shows in the middle of the map.
-async function drag(request, [east_px, south_px]) {
-  const box = await page.locator("#map").boundingBox();
-  const centre = [Math.round(box.x + box.width / 2), Math.round(box.y + box.height / 2)];
-  const from = await siteAt(centre);
-  const to = await siteAt([centre[0] + east_px, centre[1] + south_px]);
-  await page.mouse.move(...centre);
-  await page.mouse.down();
-  await page.mouse.move(centre[0] + east_px / 2, centre[1] + south_px / 2);
-  await page.mouse.move(centre[0] + east_px, centre[1] + south_px);
-  await page.mouse.up();
-  return [to[0] - from[0], to[1] - from[1], 0];
-}
 
 // The same geometry, written down a second time.
 function poseInReference({ estimate, reference }, [east, north, turn]) {

@@ -48,3 +48,24 @@ export async function openPage(browser, link, viewport) {
   await page.goto(link);
   return page;
 }
+
+// Site coordinates under the mouse, as the page shows them.
+export async function siteUnder(page, [x, y]) {
+  await page.mouse.move(x, y);
+  const text = await page.locator(".ol-mouse-position").innerText();
+  return text.match(/-?\d+\.\d+/g).map(Number);
+}
+
+// Takes hold of the scan at its centre, which the page shows in the middle of the map. Returns how far it was moved.
+export async function dragScan(page, [east_px, south_px]) {
+  const box = await page.locator("#map").boundingBox();
+  const centre = [Math.round(box.x + box.width / 2), Math.round(box.y + box.height / 2)];
+  const from = await siteUnder(page, centre);
+  const to = await siteUnder(page, [centre[0] + east_px, centre[1] + south_px]);
+  await page.mouse.move(...centre);
+  await page.mouse.down();
+  await page.mouse.move(centre[0] + east_px / 2, centre[1] + south_px / 2);
+  await page.mouse.move(centre[0] + east_px, centre[1] + south_px);
+  await page.mouse.up();
+  return [to[0] - from[0], to[1] - from[1]];
+}

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -64,6 +65,31 @@ TEST(BlockGraph, AFewOfTheNodesBendAsAllDo) {
     const Pose2& bent = coarse.graph.poses[static_cast<std::size_t>(coarse.PoseOf(node))];
     EXPECT_LT((fine.Translation() - bent.Translation()).norm(), 0.05) << node.value;
   }
+}
+
+TEST(BlockGraph, BlindMotionsAreMarkedAndAJumpBehindThemIsAsUncertainAsItIsLarge) {
+  Track track = CircleWithDrift(0.0);
+  track.marks.clear();
+  for (std::size_t i = 0; i < track.scans.size(); ++i) {
+    track.scans[i].matched = i < 40 || i >= 50;
+    track.scans[i].prediction = Prediction::kOdometry;
+  }
+  const Pose2 at = track.scans[49].local_from_scan;
+  for (std::size_t i = 50; i < track.scans.size(); ++i) {
+    Pose2& pose = track.scans[i].local_from_scan;
+    pose = at * Pose2{2.0, 0.0, 0.4} * Between(at, pose);
+  }
+  const BlockGraph block = MakeBlockGraph(track);
+  const auto motion_to = [&](int node) {
+    return *std::find_if(block.graph.edges.begin(), block.graph.edges.end(), [&](const PoseEdge& edge) {
+      return edge.kind == EdgeKind::kMotion && edge.target == block.PoseOf(ScanId{node});
+    });
+  };
+  for (const int node : {39, 51}) EXPECT_FALSE(motion_to(node).blind) << node;
+  for (const int node : {40, 45, 50}) EXPECT_TRUE(motion_to(node).blind) << node;
+  EXPECT_LT(motion_to(45).covariance(0, 0), 0.01);
+  EXPECT_NEAR(std::sqrt(motion_to(50).covariance(0, 0)), 2.0, 0.3);
+  EXPECT_NEAR(std::sqrt(motion_to(50).covariance(2, 2)), 0.4, 0.05);
 }
 
 }  // namespace

@@ -99,11 +99,55 @@ std::vector<Wall> TwinRooms() {
   return walls;
 }
 
+const std::vector<Eigen::Vector2d> kBothRooms = {{1, 1.5},  {5, 1.5},  {5, 7.5},  {5, 1.5},
+                                                 {19, 1.5}, {19, 7.5}, {19, 1.5}, {1, 1.5}};
+
 TEST(LoopSearch, SymmetricRoomsThatAreEqualAreNotTakenForEachOther) {
-  const Closed closed = CloseLoops(
-      TwinRooms(), Walk({{1, 1.5}, {5, 1.5}, {5, 7.5}, {5, 1.5}, {19, 1.5}, {19, 7.5}, {19, 1.5}, {1, 1.5}}), {});
+  const Closed closed = CloseLoops(TwinRooms(), Walk(kBothRooms), {});
   EXPECT_GT(closed.accepted, 5);  // on the way back
   EXPECT_LT(closed.largest_error_m, 0.15);
+}
+
+TEST(LoopSearch, ScansOfTooFewPointsAreNotLoops) {
+  LoopOptions options;
+  options.place.min_points = options.place.max_points + 1;
+  EXPECT_EQ(CloseLoops(TwinRooms(), Walk(kBothRooms), options).accepted, 0);
+}
+
+// From `first` to `last` the track went blind, if it knows, and missed a turn and a way.
+Track WithFault(const Track& track, std::size_t first, std::size_t last, bool known) {
+  Track faulty = track;
+  const Pose2 at = track.scans[first].local_from_scan;
+  const Pose2 shift = at * Pose2{1.2, 1.2, 0.05} * Inverse(at);
+  for (std::size_t i = first; i < track.scans.size(); ++i) {
+    TrackedScan& scan = faulty.scans[i];
+    if (i >= last) scan.local_from_scan = shift * scan.local_from_scan;
+    if (i >= last || !known) continue;
+    scan.matched = false;
+    scan.prediction = Prediction::kOdometry;
+    scan.covariance = Eigen::Vector3d(1.8e-3, 1.8e-3, 2e-4).asDiagonal();
+  }
+  for (SubmapConstraint& constraint : faulty.constraints) {
+    const Submap& submap = faulty.submaps[static_cast<std::size_t>(constraint.submap.value)];
+    const auto scan = static_cast<std::size_t>(constraint.scan.value);
+    constraint.submap_from_scan = Between(submap.local_from_submap, faulty.scans[scan].local_from_scan);
+  }
+  return faulty;
+}
+
+TEST(LoopSearch, BehindABlindStretchItSearchesAsFarAsOdometryMayHaveGone) {
+  const std::vector<Pose2> truth = Walk(kBothRooms);
+  const Session session = test_support::SimulateSession(TwinRooms(), truth, 10.0, 0.01, 1.02, 0.005);
+  const Track track = TrackBlock(session, {});
+  const auto end_error = [&](bool known) {
+    const Track faulty = WithFault(track, 270, 330, known);
+    BlockGraph block = MakeBlockGraph(faulty, FindLoops(session, faulty, {}));
+    EXPECT_TRUE(Solve(&block.graph, {.chordal_start = true}).usable);
+    const Pose2 motion = Between(block.graph.poses[block.num_submaps], block.graph.poses.back());
+    return (motion.Translation() - Between(truth.front(), truth.back()).Translation()).norm();
+  };
+  EXPECT_GT(end_error(false), 1.0);
+  EXPECT_LT(end_error(true), 0.2);
 }
 
 TEST(LoopConsistency, TheMinorityThatContradictsIsRejectedAndSoIsALoner) {

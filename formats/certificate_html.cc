@@ -156,10 +156,11 @@ std::string StatementSection(const Certificate& c) {
   html += "<div class=\"verdicts\">" +
           YesNo(c.statement.meets, "Meets the class RMSE<sub>H</sub> " + Fixed(*c.class_m * 100, 1) + " cm?") +
           YesNo(c.statement.demonstrated, "Demonstrated at 95 % confidence?") + "</div>\n";
-  return html + P("Two claims: the RMSE<sub>H</sub> found is within the class; the checks are enough to prove it. Each "
-                  "must hold "
-                  "for check features and for check points, where there are any.",
-                  "note");
+  return html +
+         P("Two claims: the RMSE<sub>H</sub> found is within the class; the checks are enough to prove it. Each "
+           "must hold for check features and for check points, where there are any. Check features are read in the "
+           "ends of the rays that drew the maps: in a map itself a wall stands where its cells are.",
+           "note");
 }
 
 std::string SignatureSection() {

@@ -139,8 +139,8 @@ $(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call sourc
   work/$(1)/map.tif work/$(1)/edits.json,\
   --grid work/$(1)/grid.tif --solution work/$(1)/solution.sqlite $(addprefix --ledger ,$(ledger)) --block $(1)\
   --output work/$(1)/map.tif --report work/$(1)/edits.json)
-$(if $(features),$(call stage,features,$(1),work/$(1)/grid.tif $(call source,$(features)),work/$(1)/features.sqlite,\
-  --map work/$(1)/grid.tif --features $(features) --output work/$(1)/features.sqlite))
+$(if $(features),$(call stage,features,$(1),$(foreach f,grid.tif session.sqlite solution.sqlite,work/$(1)/$(f)) $(call source,$(features)),work/$(1)/features.sqlite,\
+  --map work/$(1)/grid.tif --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --features $(features) --output work/$(1)/features.sqlite))
 $(eval .PHONY: $(1))
 $(eval $(1): work/$(1)/map.tif ; @:)
 endef

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-grid: the map of a block, rendered from all scans at their final poses on the site's cells.
-#include "formats/artefacts.h"
+#include "formats/posed_session.h"
 #include "formats/raster_file.h"
 #include "pipeline/stage.h"
 #include "survey/graph/map_uncertainty.h"
@@ -24,24 +24,18 @@ int main(int argc, char** argv) {
   stage.Option("free-range-m", &options.free_range_m,
                "beams without return clear the map up to here (m); 0: they tell nothing", {.min = 0.0});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
-    const survey::Session session = formats::ReadSession(session_file);
-    const survey::Solution solution = formats::ReadSolution(solution_file);
-    if (solution.scans.size() != session.scans.size()) {
-      throw formats::DataError(solution_file.string() + ": has " + std::to_string(solution.scans.size()) + " scans, " +
-                               session_file.string() + " has " + std::to_string(session.scans.size()) +
-                               ": they do not belong together");
-    }
-    std::vector<survey::Pose2> poses;
-    for (const survey::SolvedScan& scan : solution.scans) poses.push_back(scan.site_from_scan);
+    const formats::PosedSession block = formats::ReadPosedSession(session_file, solution_file);
+    const std::vector<survey::Pose2>& poses = block.site_from_scan;
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(poses.size()));
     survey::SiteRaster raster = survey::RenderBlock(
-        session, poses, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
+        block.session, poses, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
     if (raster.width == 0)
       throw formats::DataError(session_file.string() + ": no scan has a range within " +
                                std::to_string(options.max_range_m) + " m: the map is empty");
-    survey::FillSigmas(solution, &raster);
-    survey::FillDrawnBy(session, poses, {.max_range_m = options.max_range_m}, &raster);
-    formats::WriteRaster(output, raster, {.frame = solution.frame, .tied = solution.tied}, run.Provenance());
+    survey::FillSigmas(block.solution, &raster);
+    survey::FillDrawnBy(block.session, poses, {.max_range_m = options.max_range_m}, &raster);
+    formats::WriteRaster(output, raster, {.frame = block.solution.frame, .tied = block.solution.tied},
+                         run.Provenance());
     run.Message(std::to_string(raster.width) + " x " + std::to_string(raster.height) + " cells of " +
                 std::to_string(raster.cell_size_m) + " m");
   });

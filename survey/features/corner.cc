@@ -54,17 +54,17 @@ std::vector<Corner> CornersOf(const std::vector<FaceLine>& lines, const LocateOp
 
 }  // namespace
 
-MapFeature LocateCorner(const SiteRaster& map, const NamedFeature& wanted, const LocateOptions& options) {
+MapFeature LocateCorner(const SiteRaster& map, const HitCells& hits, const NamedFeature& wanted,
+                        const LocateOptions& options) {
   MapFeature feature;
-  const double reach = options.search_radius_m + options.face_length_m;
+  const double reach = options.CornerReach();
   const std::vector<FaceCell> cells = FaceCellsNear(map, wanted.position_in_site, reach);
   if (cells.empty()) {
     feature.reason = "no wall of the map lies near";
     return feature;
   }
-  const std::vector<FaceLine> lines =
-      FindFaceLines(cells, CellsNear(map, wanted.position_in_site, reach), map.cell_size_m,
-                    {.min_length_m = options.min_face_m, .max_lines = 12});
+  const std::vector<FaceLine> lines = FindFaceLines(cells, hits.Near(wanted.position_in_site, reach), map.cell_size_m,
+                                                    {.min_length_m = options.min_face_m, .max_lines = 12});
   const std::vector<Corner> corners = CornersOf(lines, options);
   if (corners.empty()) {
     feature.reason = lines.size() < 2 ? "fewer than two wall faces are seen" : "no two wall faces meet near";

@@ -6,6 +6,7 @@
 namespace survey {
 
 // The corner of two wall faces: their intersection. Sets position, covariance and number of cells, or the reason.
-MapFeature LocateCorner(const SiteRaster& map, const NamedFeature& wanted, const LocateOptions& options);
+MapFeature LocateCorner(const SiteRaster& map, const HitCells& hits, const NamedFeature& wanted,
+                        const LocateOptions& options);
 
 }  // namespace survey

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <optional>
 
+#include "survey/features/face_place.h"
 #include "survey/geometry/principal_axes.h"
 #include "survey/grid/faces.h"
 
@@ -161,23 +162,24 @@ std::optional<FaceLine> Refine(const std::vector<FaceCell>& cells, const Candida
   return line;
 }
 
-// From the middle of the band to the face.
-void Sharpen(const std::vector<ObservedCell>& observed, double cell_size_m, FaceLine* line) {
+// From the middle of the band to the face; false where it has no hits.
+bool PlaceByHits(std::span<const HitCell> hits, double cell_size_m, FaceLine* line) {
   const double trim = TrimOf(line->Length(), cell_size_m);
-  const FacePlace place = PlaceFace(
-      observed, {.normal = line->normal, .offset = line->offset, .from = line->begin + trim, .to = line->end - trim},
+  const std::optional<FacePlace> place = PlaceFace(
+      hits, {.normal = line->normal, .offset = line->offset, .from = line->begin + trim, .to = line->end - trim},
       cell_size_m);
-  line->normal = place.normal;
-  line->offset = place.offset;
-  line->sigma_offset = place.sigma_offset;
-  line->sigma_angle = place.sigma_angle;
+  if (!place) return false;
+  line->normal = place->normal;
+  line->offset = place->offset;
+  line->middle = place->middle;
+  line->sigma_offset = place->sigma_offset;
+  line->sigma_angle = place->sigma_angle;
+  return true;
 }
 
 }  // namespace
 
-double FaceLine::SigmaAt(double along) const {
-  return std::hypot(sigma_offset, sigma_angle * (along - (begin + end) / 2));
-}
+double FaceLine::SigmaAt(double along) const { return std::hypot(sigma_offset, sigma_angle * (along - middle)); }
 
 std::vector<FaceCell> FaceCellsNear(const SiteRaster& raster, const Vector2d& p_in_site, double radius_m) {
   const SiteRaster part = Crop(raster, p_in_site, radius_m);
@@ -198,22 +200,20 @@ std::vector<FaceCell> FaceCellsNear(const SiteRaster& raster, const Vector2d& p_
   return cells;
 }
 
-std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, const std::vector<ObservedCell>& observed,
-                                    double cell_size_m, const FaceLineOptions& options) {
+std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, std::span<const HitCell> hits, double cell_size_m,
+                                    const FaceLineOptions& options) {
   std::vector<FaceLine> lines;
   for (int attempt = 0; attempt < 2 * options.max_lines && static_cast<int>(lines.size()) < options.max_lines;
        ++attempt) {
     const Candidate candidate = BestCandidate(cells, cell_size_m);
     if (candidate.weight * cell_size_m < options.min_length_m / 2) break;
-    const std::optional<FaceLine> line = Refine(cells, candidate, cell_size_m);
+    std::optional<FaceLine> line = Refine(cells, candidate, cell_size_m);
     const Vector2d normal = line ? line->normal : candidate.normal;
     const double offset = line ? line->offset : candidate.offset;
     const Band taken = BandOf(cells, normal, offset, 2.5 * cell_size_m, 3.0 * cell_size_m, kOwnCosine);
     if (taken.cells.empty()) break;
-    if (line && line->Length() >= options.min_length_m) {
+    if (line && line->Length() >= options.min_length_m && PlaceByHits(hits, cell_size_m, &*line))
       lines.push_back(*line);
-      Sharpen(observed, cell_size_m, &lines.back());
-    }
     std::vector<bool> gone(cells.size(), false);
     for (const std::size_t i : taken.cells) gone[i] = true;
     std::size_t kept = 0;

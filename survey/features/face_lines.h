@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Straight wall faces in a small part of an occupancy raster: found as bands of wall cells that look the same way, then
-// placed below the cell (face_profile.h).
+// placed by the hits in them (face_place.h).
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
 #include <vector>
 
-#include "survey/features/face_profile.h"
+#include "survey/grid/hit_cells.h"
 #include "survey/grid/site_raster.h"
 
 namespace survey {
@@ -29,7 +30,8 @@ struct FaceLine {
   double offset = 0.0;
   double begin = 0.0;
   double end = 0.0;
-  double sigma_offset = 0.0;  // m, at the middle of the line
+  double middle = 0.0;        // along it: of its hits
+  double sigma_offset = 0.0;  // m, at the middle
   double sigma_angle = 0.0;   // rad
   int num_cells = 0;
 
@@ -44,10 +46,10 @@ struct FaceLineOptions {
   int max_lines = 8;
 };
 
-// Faces in order of their weight; `observed` are all cells of the same part. Deterministic: the best line over all
-// directions (2 degrees) and offsets (half cells) is refined by weighted total least squares and its cells taken out,
-// again and again.
-std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, const std::vector<ObservedCell>& observed,
-                                    double cell_size_m, const FaceLineOptions& options);
+// Faces in order of their weight; `hits` are those in the same part. Deterministic: the best line over all directions
+// (2 degrees) and offsets (half cells) is refined by weighted total least squares, placed by its hits and its cells
+// taken out, again and again. A face without hits is none.
+std::vector<FaceLine> FindFaceLines(std::vector<FaceCell> cells, std::span<const HitCell> hits, double cell_size_m,
+                                    const FaceLineOptions& options);
 
 }  // namespace survey

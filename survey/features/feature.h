@@ -33,8 +33,8 @@ struct NamedFeature {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
-// As seen in one map. Position and covariance only where found; the covariance is that of the reading in the raster and
-// does not know how well the map itself is placed.
+// As seen in one map. Position and covariance only where found; the covariance is that of the reading and does not know
+// how well the poses that drew the map are placed.
 struct MapFeature {
   std::string name;
   FeatureKind kind = FeatureKind::kCorner;

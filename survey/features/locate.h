@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Finds named features in an occupancy raster, starting from their surveyed places. What is not seen, or could be two
+// Finds named features in an occupancy raster, starting from their surveyed places, and reads where they are from the
+// hits that drew it. What is not seen, or could be two
 // things, is reported so with the reason, never guessed. A corner of a pillar that is not seen must not be taken for
 // the next one, half a metre away.
 #pragma once
 
+#include <algorithm>
+#include <numbers>
+
 #include "survey/features/feature.h"
+#include "survey/grid/hit_cells.h"
 #include "survey/grid/site_raster.h"
 
 namespace survey {
@@ -18,12 +23,16 @@ struct LocateOptions {
   double max_gap_m = 0.2;        // from the end of a face to the corner
   double distinct_m = 0.1;       // two possible corners must differ this much in their distance from the surveyed place
   double max_pillar_size_m = 1.5;
-  // Per axis, beside what the models of faces know: poses that scatter, rays that graze, persons who stood there. At
-  // 500 features of simulated garages (small.toml, two places in the cells) the normalised error is 1.0 with it, 1.6
-  // without.
-  double scatter_cells = 0.2;
+  double max_sigma_cells = 0.5;  // in the worst direction; what is read less surely is reported, not taken
+
+  // How far from a feature cells are looked at.
+  double CornerReach() const { return search_radius_m + face_length_m; }
+  double PillarReach() const { return search_radius_m + max_pillar_size_m * std::numbers::sqrt2 / 2; }
+  double Reach() const { return std::max(CornerReach(), PillarReach()); }
 };
 
-MapFeature LocateFeature(const SiteRaster& map, const NamedFeature& wanted, const LocateOptions& options);
+// `hits` must hold those within Reach() of the feature.
+MapFeature LocateFeature(const SiteRaster& map, const HitCells& hits, const NamedFeature& wanted,
+                         const LocateOptions& options);
 
 }  // namespace survey

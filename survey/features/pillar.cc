@@ -6,9 +6,11 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "survey/features/face_lines.h"
+#include "survey/features/face_place.h"
 
 namespace survey {
 namespace {
@@ -37,14 +39,14 @@ struct Circle {
   double radius = 0.0;
 };
 
-// Weighted algebraic circle fit (Kasa), which is exact enough for arcs beyond a half circle.
-std::optional<Circle> FitCircle(const std::vector<FaceCell>& cells) {
+// Algebraic circle fit (Kasa), which is exact enough for arcs beyond a half circle.
+std::optional<Circle> FitCircle(const std::vector<HitCell>& cells) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right = Eigen::Vector3d::Zero();
-  for (const FaceCell& cell : cells) {
+  for (const HitCell& cell : cells) {
     const Eigen::Vector3d row(cell.p.x(), cell.p.y(), 1.0);
-    normal += cell.weight * row * row.transpose();
-    right += cell.weight * cell.p.squaredNorm() * row;
+    normal += cell.hits * row * row.transpose();
+    right += cell.hits * cell.p.squaredNorm() * row;
   }
   const Eigen::FullPivLU<Eigen::Matrix3d> solver(normal);
   if (cells.size() < 6 || !solver.isInvertible()) return std::nullopt;
@@ -58,10 +60,10 @@ std::optional<Circle> FitCircle(const std::vector<FaceCell>& cells) {
 }
 
 // Share of the full turn in which cells lie, in steps of 15 degrees.
-double ArcShare(const std::vector<FaceCell>& cells, const Vector2d& centre) {
+double ArcShare(const std::vector<HitCell>& cells, const Vector2d& centre) {
   constexpr int kSectors = 24;
   std::vector<bool> seen(kSectors, false);
-  for (const FaceCell& cell : cells) {
+  for (const HitCell& cell : cells) {
     const Vector2d out = cell.p - centre;
     const double turn = std::atan2(out.y(), out.x()) / (2 * std::numbers::pi) + 0.5;
     seen[static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1))] = true;
@@ -70,21 +72,49 @@ double ArcShare(const std::vector<FaceCell>& cells, const Vector2d& centre) {
 }
 
 constexpr double kMinArcShare = 0.6;
-constexpr double kPhaseSigmaCells = 0.25;  // as of a face
 
-std::optional<Centre> RoundCentre(const std::vector<FaceCell>& cells, double cell_size_m, double max_radius_m) {
-  const std::optional<Circle> circle = FitCircle(cells);
-  if (!circle || circle->radius > max_radius_m || ArcShare(cells, circle->centre) < kMinArcShare) return std::nullopt;
+std::vector<HitCell> OnCircle(std::span<const HitCell> hits, const Circle& circle, double half_width_m) {
+  std::vector<HitCell> on;
+  for (const HitCell& cell : hits) {
+    if (std::abs((cell.p - circle.centre).norm() - circle.radius) <= half_width_m) on.push_back(cell);
+  }
+  return on;
+}
+
+// Of the radius: the outline rolled out to a straight face.
+std::optional<double> RadiusVariance(const std::vector<HitCell>& outline, const Circle& circle, double cell_size_m) {
+  std::vector<HitCell> rolled;
+  for (const HitCell& cell : outline) {
+    const Vector2d out = cell.p - circle.centre;
+    rolled.push_back({{out.norm() - circle.radius, circle.radius * std::atan2(out.y(), out.x())}, cell.hits});
+  }
+  const double half_turn = std::numbers::pi * circle.radius;
+  const auto place = PlaceFace(rolled, {.from = -half_turn, .to = half_turn}, cell_size_m);
+  if (!place) return std::nullopt;
+  return place->sigma_offset * place->sigma_offset;
+}
+
+std::optional<Centre> RoundCentre(const std::vector<FaceCell>& cells, std::span<const HitCell> hits, double cell_size_m,
+                                  double max_radius_m) {
+  std::vector<HitCell> outline;
+  for (const FaceCell& cell : cells) outline.push_back({cell.p, cell.weight});
+  std::optional<Circle> circle;
+  for (int round = 0; round < 3; ++round) {  // the wall's cells, then the hits about their circle
+    circle = FitCircle(outline);
+    if (!circle || circle->radius > max_radius_m || ArcShare(outline, circle->centre) < kMinArcShare)
+      return std::nullopt;
+    outline = OnCircle(hits, *circle, 1.5 * cell_size_m);
+  }
+  const std::optional<double> variance = RadiusVariance(outline, *circle, cell_size_m);
+  if (!variance) return std::nullopt;
   double squares = 0.0;
   double weight = 0.0;
   for (const FaceCell& cell : cells) {
     squares += cell.weight * std::pow((cell.p - circle->centre).norm() - circle->radius, 2);
     weight += cell.weight;
   }
-  // The outline passes through all phases of the cells, about once every cell of its length.
-  const double arc_cells = 2 * std::numbers::pi * circle->radius / cell_size_m * ArcShare(cells, circle->centre);
-  const double variance = 2.0 * std::pow(kPhaseSigmaCells * cell_size_m, 2) / std::max(arc_cells / 2, 1.0);
-  return Centre{circle->centre, variance * Eigen::Matrix2d::Identity(), std::sqrt(squares / weight),
+  // The cosine of the direction, which moves the centre, is on average half as large a square as the radius' one.
+  return Centre{circle->centre, 2.0 * *variance * Eigen::Matrix2d::Identity(), std::sqrt(squares / weight),
                 static_cast<int>(cells.size())};
 }
 
@@ -126,10 +156,9 @@ std::optional<OppositeFaces> AcrossOf(const std::vector<FaceLine>& lines, const 
   return std::nullopt;
 }
 
-std::optional<Centre> SquareCentre(const std::vector<FaceCell>& cells, const std::vector<ObservedCell>& observed,
+std::optional<Centre> SquareCentre(const std::vector<FaceCell>& cells, std::span<const HitCell> hits,
                                    double cell_size_m, double max_size_m) {
-  const std::vector<FaceLine> lines =
-      FindFaceLines(cells, observed, cell_size_m, {.min_length_m = 0.15, .max_lines = 6});
+  const std::vector<FaceLine> lines = FindFaceLines(cells, hits, cell_size_m, {.min_length_m = 0.15, .max_lines = 6});
   const auto first = FindOpposite(lines, max_size_m, 0.0, Vector2d::UnitX());
   if (!first) return std::nullopt;
   const auto second = AcrossOf(lines, *first, max_size_m);
@@ -155,11 +184,12 @@ std::optional<Centre> SquareCentre(const std::vector<FaceCell>& cells, const std
 
 }  // namespace
 
-MapFeature LocatePillar(const SiteRaster& map, const NamedFeature& wanted, const LocateOptions& options) {
+MapFeature LocatePillar(const SiteRaster& map, const HitCells& hits, const NamedFeature& wanted,
+                        const LocateOptions& options) {
   MapFeature feature;
-  const double reach = options.max_pillar_size_m * std::numbers::sqrt2 / 2 + options.search_radius_m;
+  const double reach = options.PillarReach();
   const std::vector<FaceCell> all = FaceCellsNear(map, wanted.position_in_site, reach);
-  const std::vector<ObservedCell> observed = CellsNear(map, wanted.position_in_site, reach);
+  const std::vector<HitCell> near = hits.Near(wanted.position_in_site, reach);
   std::optional<Centre> best;
   Vector2d about = Vector2d::Zero();
   // Twice: the outside of the pillar is known better from its own centre than from the surveyed one.
@@ -167,8 +197,8 @@ MapFeature LocatePillar(const SiteRaster& map, const NamedFeature& wanted, const
     const std::vector<FaceCell> cells =
         LookingAwayFrom(all, about, options.max_pillar_size_m * std::numbers::sqrt2 / 2);
     if (cells.empty()) break;
-    best = RoundCentre(cells, map.cell_size_m, options.max_pillar_size_m / 2);
-    const auto square = SquareCentre(cells, observed, map.cell_size_m, options.max_pillar_size_m);
+    best = RoundCentre(cells, near, map.cell_size_m, options.max_pillar_size_m / 2);
+    const auto square = SquareCentre(cells, near, map.cell_size_m, options.max_pillar_size_m);
     if (square && (!best || square->rms_m < best->rms_m)) best = square;
     if (!best) break;
     about = best->p;

@@ -7,6 +7,7 @@ namespace survey {
 
 // The centre of a free-standing pillar, round (circle through its faces) or with straight faces (middle of opposite
 // faces). Of a square pillar three faces must be seen. Sets position, covariance and number of cells, or the reason.
-MapFeature LocatePillar(const SiteRaster& map, const NamedFeature& wanted, const LocateOptions& options);
+MapFeature LocatePillar(const SiteRaster& map, const HitCells& hits, const NamedFeature& wanted,
+                        const LocateOptions& options);
 
 }  // namespace survey

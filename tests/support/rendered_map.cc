@@ -108,7 +108,7 @@ Polygon Moved(const Polygon& polygon, const Vector2d& by) {
 }
 
 SiteRaster RenderMap(const std::vector<Polygon>& solids, const std::vector<Vector2d>& stands,
-                     const RenderOptions& options) {
+                     const RenderOptions& options, std::vector<Vector2d>* all_hits) {
   SiteRaster raster = EmptyAround(stands, options);
   const int beams = static_cast<int>(2 * std::numbers::pi / options.angle_increment_rad);
   ScanCells cells(&raster);
@@ -129,6 +129,7 @@ SiteRaster RenderMap(const std::vector<Polygon>& solids, const std::vector<Vecto
                                        : options.range_max_m;
       const Vector2d end = believed + measured * direction;
       ends.push_back(end);
+      if (returned && all_hits != nullptr) all_hits->push_back(end);
       hits.push_back(returned);
     }
     const int number = static_cast<int>(scan);
@@ -138,6 +139,17 @@ SiteRaster RenderMap(const std::vector<Polygon>& solids, const std::vector<Vecto
     for (const Vector2d& end : ends) cells.EnterLine(believed, end, number, LogOdds(options.p_miss), options);
   }
   return raster;
+}
+
+survey::HitCells CellsOfHits(const SiteRaster& map, const std::vector<Vector2d>& hits, const Vector2d& place,
+                             double radius_m) {
+  survey::HitCells cells(map, std::span(&place, 1), radius_m);
+  const Vector2d corner(static_cast<double>(map.min_column) * map.cell_size_m,
+                        static_cast<double>(map.min_row) * map.cell_size_m);
+  std::vector<Eigen::Vector2f> in_map;
+  for (const Vector2d& hit : hits) in_map.push_back((hit - corner).cast<float>());
+  cells.Add(in_map);
+  return cells;
 }
 
 }  // namespace test_support

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "survey/grid/hit_cells.h"
 #include "survey/grid/site_raster.h"
 
 namespace test_support {
@@ -34,8 +35,13 @@ Polygon Box(double min_x, double min_y, double max_x, double max_y);
 Polygon Rotated(const Polygon& polygon, double angle_rad, const Eigen::Vector2d& centre);
 Polygon Moved(const Polygon& polygon, const Eigen::Vector2d& by);
 
-// Polygons without area (two corners) are thin walls.
+// Polygons without area (two corners) are thin walls. `hits`, when given, gets the end points of all rays that
+// returned, in the site frame.
 survey::SiteRaster RenderMap(const std::vector<Polygon>& solids, const std::vector<Eigen::Vector2d>& stands,
-                             const RenderOptions& options);
+                             const RenderOptions& options, std::vector<Eigen::Vector2d>* hits = nullptr);
+
+// Those of the hits within radius_m of a place, in the cells of the map.
+survey::HitCells CellsOfHits(const survey::SiteRaster& map, const std::vector<Eigen::Vector2d>& hits,
+                             const Eigen::Vector2d& place, double radius_m);
 
 }  // namespace test_support

@@ -380,7 +380,10 @@ CREATE TABLE features (
   reason TEXT NOT NULL,   -- why not found
   x REAL NOT NULL,        -- in the map: easting, m; 0 where not found
   y REAL NOT NULL,        -- northing, m
-  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- of the reading in the raster alone: m2
+  reading_xx REAL NOT NULL CHECK (reading_xx >= 0),  -- of the reading, as if the poses had no errors: m2
+  reading_xy REAL NOT NULL,
+  reading_yy REAL NOT NULL CHECK (reading_yy >= 0),
+  cov_xx REAL NOT NULL CHECK (cov_xx >= 0),  -- of the place in the site, by reading and poses: m2
   cov_xy REAL NOT NULL,
   cov_yy REAL NOT NULL CHECK (cov_yy >= 0),
   num_cells INTEGER NOT NULL CHECK (num_cells >= 0),  -- wall cells that took part
@@ -452,7 +455,7 @@ constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kLoops, 1, "loops", kLoopsSchema},
     ArtefactFormat{ArtefactKind::kControl, 2, "control", kControlSchema},
     ArtefactFormat{ArtefactKind::kSolution, 3, "solution", kSolutionSchema},
-    ArtefactFormat{ArtefactKind::kFeatures, 1, "features", kFeaturesSchema},
+    ArtefactFormat{ArtefactKind::kFeatures, 2, "features", kFeaturesSchema},
     ArtefactFormat{ArtefactKind::kGraph, 1, "graph", kGraphSchema},
 };
 

@@ -13,7 +13,7 @@ constexpr std::array kKinds = {FeatureKind::kCorner, FeatureKind::kPillar};
 
 constexpr auto kFeatureRow = [](auto& row, auto& id, auto& feature) {
   row(id, feature.name, Named{feature.kind, kKinds}, feature.found, feature.reason, feature.position_in_site,
-      feature.covariance, feature.num_cells);
+      feature.reading, feature.covariance, feature.num_cells);
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "formats/raster_file.h"
 #include "pipeline/stage.h"
 #include "survey/features/locate.h"
+#include "survey/graph/map_uncertainty.h"
 #include "survey/submaps/block_raster.h"
 #include "survey/submaps/drawn_hits.h"
 
@@ -17,6 +18,13 @@ survey::HitCells HitsNear(const std::vector<survey::NamedFeature>& wanted, const
   std::vector<Eigen::Vector2d> places;
   for (const survey::NamedFeature& one : wanted) places.push_back(one.position_in_site);
   return survey::DrawnHits(block.session, block.site_from_scan, max_range_m, map, places, radius_m);
+}
+
+// The covariance of the place from that of its reading.
+void AddPoses(const survey::Solution& solution, survey::MapFeature* feature) {
+  if (!feature->found) return;
+  const auto of_poses = survey::MapCovarianceAt(feature->position_in_site, solution);
+  feature->covariance = feature->reading + of_poses.value_or(Eigen::Matrix2d::Zero());
 }
 
 }  // namespace
@@ -50,13 +58,14 @@ int main(int argc, char** argv) {
     const std::vector<survey::NamedFeature> wanted = formats::ReadFeaturesCsv(list_file);
     formats::RasterLabel label;
     const survey::SiteRaster map = formats::ReadRaster(map_file, &label);
-    const survey::HitCells hits =
-        HitsNear(wanted, map, formats::ReadPosedSession(session_file, solution_file), options.Reach(), max_range_m);
+    const formats::PosedSession block = formats::ReadPosedSession(session_file, solution_file);
+    const survey::HitCells hits = HitsNear(wanted, map, block, options.Reach(), max_range_m);
     std::vector<survey::MapFeature> features;
     int found = 0;
     for (const survey::NamedFeature& one : wanted) {
       if (label.tied) {
         features.push_back(survey::LocateFeature(map, hits, one, options));
+        AddPoses(block.solution, &features.back());
       } else {  // site coordinates mean nothing in a local frame
         features.push_back({.name = one.name, .kind = one.kind, .reason = "the map is not tied to control"});
       }

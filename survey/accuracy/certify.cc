@@ -117,7 +117,7 @@ class Certifier {
       const NamedFeature* reference = FindReference(input_.reference_features, feature.name);
       if (!feature.found || reference == nullptr) continue;
       AddCheck(CheckKind::kFeature, block.name, feature.name, feature.position_in_site, reference->position_in_site,
-               reference->covariance + feature.covariance);
+               reference->covariance + feature.reading);
     }
   }
 

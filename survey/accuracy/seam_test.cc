@@ -4,7 +4,8 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "survey/graph/map_uncertainty.h"
 
 namespace survey {
 namespace {
@@ -13,11 +14,6 @@ namespace {
 constexpr double kLimit[3] = {0.0, 3.2905, 2.6283};
 constexpr double kPatchesBeyond = 0.2;  // of all patches: more is not clutter
 constexpr std::size_t kFewestForScatter = 4;
-
-const SolvedScan* FindScan(const Solution& solution, ScanId scan) {
-  const auto index = static_cast<std::size_t>(scan.value);
-  return scan.value >= 0 && index < solution.scans.size() ? &solution.scans[index] : nullptr;
-}
 
 // Length of an offset in sigmas; with one direction along that direction.
 double Ratio(const Eigen::Vector2d& offset, int directions, const Eigen::Matrix2d& covariance) {
@@ -52,22 +48,6 @@ double Scatter(const Seam& seam) {
 }
 
 }  // namespace
-
-std::optional<Eigen::Matrix2d> MapCovarianceAt(const Eigen::Vector2d& place, const Solution& solution) {
-  std::optional<Eigen::Matrix2d> result;
-  double nearest = std::numeric_limits<double>::max();
-  for (const NodeCovariance& node : solution.covariances) {
-    const SolvedScan* scan = FindScan(solution, node.scan);
-    if (scan == nullptr) continue;
-    const Eigen::Vector2d arm = place - scan->site_from_scan.Translation();
-    if (arm.squaredNorm() >= nearest) continue;
-    nearest = arm.squaredNorm();
-    Eigen::Matrix<double, 2, 3> place_by_pose;
-    place_by_pose << 1, 0, -arm.y(), 0, 1, arm.x();
-    result = place_by_pose * node.covariance * place_by_pose.transpose();
-  }
-  return result;
-}
 
 std::optional<SeamVerdict> JudgeSeam(const Seam& seam, const Solution& first, const Solution& second,
                                      double reading_sigma_m) {

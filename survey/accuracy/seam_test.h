@@ -14,9 +14,6 @@
 
 namespace survey {
 
-// Covariance (m2) of what a block's map shows at a place, from the nearest pose that has one; empty without any.
-std::optional<Eigen::Matrix2d> MapCovarianceAt(const Eigen::Vector2d& place, const Solution& solution);
-
 // `ratio` = square root of d' S^-1 d / directions: lengths in units of sigma.
 struct SeamVerdict {
   std::vector<double> patch_ratios;  // by patch of the seam

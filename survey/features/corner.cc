@@ -75,7 +75,7 @@ MapFeature LocateCorner(const SiteRaster& map, const HitCells& hits, const Named
     return feature;
   }
   feature.position_in_site = wanted.position_in_site + corners.front().p;
-  feature.covariance = corners.front().covariance;
+  feature.reading = corners.front().covariance;
   feature.num_cells = corners.front().num_cells;
   return feature;
 }

@@ -10,22 +10,30 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kRounds = 3;
-constexpr double kHalfWidthCells = 1.5;  // hits farther from the face belong to something else ...
-constexpr double kHalfWidth_m = 0.06;    // ... but not within four sigmas of a usual scanner's ranges
+constexpr int kRounds = 4;
+// Hits farther from the face than this belong to something else; between the limits four times what they scatter.
+constexpr double kLeastHalfWidthCells = 1.5;
+constexpr double kLeastHalfWidth_m = 0.06;
+constexpr double kMostHalfWidth_m = 0.12;
+constexpr double kLeastColumn_m = 0.025;
 constexpr std::size_t kMinColumns = 5;
 
-// Hits of half a cell's length of face: their mean place along it and mean distance before it.
+// Hits of a short length of face: their mean place along it and mean distance before it.
 struct Column {
   double along = 0.0;
   double before = 0.0;
   double hits = 0.0;
 };
 
-std::vector<Column> ColumnsOf(std::span<const HitCell> cells, const FaceStretch& face, double cell_size_m) {
-  const double width = cell_size_m / 2;
+// `scatter` becomes the rms distance of the hits from the face.
+std::vector<Column> ColumnsOf(std::span<const HitCell> cells, const FaceStretch& face, double cell_size_m,
+                              double* scatter) {
+  const double width = std::max(cell_size_m / 2, kLeastColumn_m);
   const Vector2d along(-face.normal.y(), face.normal.x());
-  const double half_width = std::max(kHalfWidthCells * cell_size_m, kHalfWidth_m);
+  const double least = std::max(kLeastHalfWidthCells * cell_size_m, kLeastHalfWidth_m);
+  const double half_width = std::max(least, std::min(4.0 * *scatter, kMostHalfWidth_m));
+  double squares = 0.0;
+  double hits = 0.0;
   std::vector<Column> columns(static_cast<std::size_t>(std::max(1.0, std::ceil((face.to - face.from) / width))));
   for (const HitCell& cell : cells) {
     const double before = face.normal.dot(cell.p) - face.offset;
@@ -36,7 +44,10 @@ std::vector<Column> ColumnsOf(std::span<const HitCell> cells, const FaceStretch&
     column.hits += cell.hits;
     column.along += cell.hits * place;
     column.before += cell.hits * before;
+    squares += cell.hits * before * before;
+    hits += cell.hits;
   }
+  *scatter = hits > 0 ? std::sqrt(squares / hits) : 0.0;
   std::erase_if(columns, [](const Column& column) { return column.hits == 0; });
   for (Column& column : columns) {
     column.along /= column.hits;
@@ -116,8 +127,9 @@ ColumnLine FitColumns(const std::vector<Column>& columns) {
 std::optional<FacePlace> PlaceFace(std::span<const HitCell> cells, const FaceStretch& about, double cell_size_m) {
   FaceStretch face = about;
   ColumnLine line;
+  double scatter = 0.0;
   for (int round = 0; round < kRounds; ++round) {
-    const std::vector<Column> columns = ColumnsOf(cells, face, cell_size_m);
+    const std::vector<Column> columns = ColumnsOf(cells, face, cell_size_m, &scatter);
     if (columns.size() < kMinColumns) return std::nullopt;
     line = FitColumns(columns);
     const Vector2d along(-face.normal.y(), face.normal.x());

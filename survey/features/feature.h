@@ -33,16 +33,16 @@ struct NamedFeature {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
-// As seen in one map. Position and covariance only where found; the covariance is that of the reading and does not know
-// how well the poses that drew the map are placed.
+// As seen in one map. Position and covariances only where found.
 struct MapFeature {
   std::string name;
   FeatureKind kind = FeatureKind::kCorner;
   bool found = false;
   std::string reason;  // why not found
   Eigen::Vector2d position_in_site = Eigen::Vector2d::Zero();
-  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
-  int num_cells = 0;  // wall cells that took part
+  Eigen::Matrix2d reading = Eigen::Matrix2d::Zero();     // covariance, were the poses that drew the map without error
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of the place: of the reading and of these poses
+  int num_cells = 0;                                     // wall cells that took part
 };
 
 }  // namespace survey

@@ -25,7 +25,7 @@ std::string Doubt(const MapFeature& feature, const NamedFeature& wanted, double 
   if (distance_m > certain_m)
     return Format("the nearest %s is %.2f m from the surveyed place: it may be another one", Name(wanted.kind).data(),
                   distance_m);
-  const double sigma_m = std::sqrt(PrincipalAxesOf(feature.covariance).values[1]);
+  const double sigma_m = std::sqrt(PrincipalAxesOf(feature.reading).values[1]);
   if (sigma_m > max_sigma_m) return Format("too few hits: the place would be uncertain by %.0f mm", 1000 * sigma_m);
   return "";
 }

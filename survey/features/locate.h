@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Finds named features in an occupancy raster, starting from their surveyed places, and reads where they are from the
-// hits that drew it. What is not seen, or could be two
+// hits that drew it; `covariance` is left to whoever knows that of the poses. What is not seen, or could be two
 // things, is reported so with the reason, never guessed. A corner of a pillar that is not seen must not be taken for
 // the next one, half a metre away.
 #pragma once

@@ -211,7 +211,7 @@ MapFeature LocatePillar(const SiteRaster& map, const HitCells& hits, const Named
     feature.reason = "what stands there is neither square nor round";
   } else {
     feature.position_in_site = wanted.position_in_site + best->p;
-    feature.covariance = best->covariance;
+    feature.reading = best->covariance;
     feature.num_cells = best->num_cells;
   }
   return feature;

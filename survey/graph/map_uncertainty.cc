@@ -26,13 +26,12 @@ std::vector<UncertainPose> PosesOf(const Solution& solution) {
   return poses;
 }
 
-// Larger semi-axis of the standard ellipse of a place that hangs on a pose.
-double SigmaAt(const Eigen::Vector2d& place, const UncertainPose& pose) {
+// Of a place that hangs on a pose.
+Eigen::Matrix2d CovarianceAt(const Eigen::Vector2d& place, const UncertainPose& pose) {
   const Eigen::Vector2d lever = place - pose.position;
   Eigen::Matrix<double, 2, 3> by_pose;
   by_pose << 1, 0, -lever.y(), 0, 1, lever.x();
-  const Eigen::Matrix2d covariance = by_pose * pose.covariance * by_pose.transpose();
-  return std::sqrt(std::max(0.0, PrincipalAxesOf(covariance).values[1]));
+  return by_pose * pose.covariance * by_pose.transpose();
 }
 
 const UncertainPose& Nearest(const Eigen::Vector2d& place, const std::vector<UncertainPose>& poses) {
@@ -42,6 +41,12 @@ const UncertainPose& Nearest(const Eigen::Vector2d& place, const std::vector<Unc
 }
 
 }  // namespace
+
+std::optional<Eigen::Matrix2d> MapCovarianceAt(const Eigen::Vector2d& place, const Solution& solution) {
+  const std::vector<UncertainPose> poses = PosesOf(solution);
+  if (poses.empty()) return std::nullopt;
+  return CovarianceAt(place, Nearest(place, poses));
+}
 
 void FillSigmas(const Solution& solution, SiteRaster* raster) {
   const std::vector<UncertainPose> poses = PosesOf(solution);
@@ -54,7 +59,8 @@ void FillSigmas(const Solution& solution, SiteRaster* raster) {
       const int end_column = std::min(raster->width, first_column + tile);
       const Eigen::Vector2d centre =
           (raster->CentreOf(first_column, first_row) + raster->CentreOf(end_column - 1, end_row - 1)) / 2.0;
-      const auto sigma = static_cast<float>(SigmaAt(centre, Nearest(centre, poses)));
+      const Eigen::Matrix2d covariance = CovarianceAt(centre, Nearest(centre, poses));
+      const auto sigma = static_cast<float>(std::sqrt(std::max(0.0, PrincipalAxesOf(covariance).values[1])));
       for (int row = first_row; row < end_row; ++row) {
         for (int column = first_column; column < end_column; ++column) {
           if (!std::isnan(raster->At(column, row))) raster->sigma_m[raster->Index(column, row)] = sigma;

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// Positional uncertainty of a block's map, cell by cell, from the covariances of the poses that drew it.
+// Positional uncertainty of a block's map from the covariances of the poses that drew it: the nearest pose that has one
+// stands for a place, its errors of position and heading carried there. The range noise of the lidar is not in it.
 #pragma once
+
+#include <Eigen/Core>
+#include <optional>
 
 #include "survey/graph/solution.h"
 #include "survey/grid/site_raster.h"
 
 namespace survey {
 
-// Fills raster->sigma_m for all known cells: the covariance of the nearest pose that has one, carried over to the cell
-// (rotation included); its larger semi-axis, m. The range noise of the lidar is not in it. Where the solution has no
+// Covariance (m2) of what the map shows at a place in the site; empty where the solution has no covariances.
+std::optional<Eigen::Matrix2d> MapCovarianceAt(const Eigen::Vector2d& place, const Solution& solution);
+
+// Fills raster->sigma_m for all known cells: the larger semi-axis of the covariance, m. Where the solution has no
 // covariances nothing is filled.
 void FillSigmas(const Solution& solution, SiteRaster* raster);
 

@@ -59,6 +59,7 @@ TEST(FeaturesFile, ComesBackWithItsReasons) {
   std::vector<survey::MapFeature> features(2);
   features[0] = {.name = "A", .found = true, .position_in_site = {500000.125, 5600000.5}, .num_cells = 40};
   features[0].covariance << 1e-4, 2e-5, 2e-5, 3e-4;
+  features[0].reading << 1e-6, -2e-7, -2e-7, 3e-6;
   features[1] = {.name = "B", .kind = survey::FeatureKind::kPillar, .reason = "no wall of the map lies near"};
   WriteFeatures(scratch / "features.sqlite", features, provenance);
   const auto read = ReadFeatures(scratch / "features.sqlite");
@@ -66,6 +67,7 @@ TEST(FeaturesFile, ComesBackWithItsReasons) {
   EXPECT_TRUE(read[0].found);
   EXPECT_EQ(read[0].position_in_site, features[0].position_in_site);
   EXPECT_EQ(read[0].covariance, features[0].covariance);
+  EXPECT_EQ(read[0].reading, features[0].reading);
   EXPECT_EQ(read[0].num_cells, 40);
   EXPECT_FALSE(read[1].found);
   EXPECT_EQ(read[1].kind, survey::FeatureKind::kPillar);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "survey/graph/map_uncertainty.h"
 #include "survey/stats/philox.h"
 
 namespace {

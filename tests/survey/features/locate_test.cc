@@ -92,7 +92,7 @@ Figures Repeat(const Scene& scene, FeatureKind kind, bool turned, double noise_m
     ++figures.found;
     const Vector2d error = feature.position_in_site - placed.truth;
     figures.squares += error.squaredNorm();
-    figures.normalized += error.dot(feature.covariance.inverse() * error);
+    figures.normalized += error.dot(feature.reading.inverse() * error);
   }
   return figures;
 }

@@ -404,7 +404,12 @@ CREATE TABLE points (
   name TEXT NOT NULL,        -- in order of their names; then, without a name, places of marks that were left out
   control INTEGER NOT NULL CHECK (control IN (0, 1)),  -- its given coordinates took part
   x REAL NOT NULL,           -- adjusted: easting, m
-  y REAL NOT NULL            -- northing, m
+  y REAL NOT NULL,           -- northing, m
+  given_x REAL,              -- what a person gave for a point of the block's own: m; NULL: nothing
+  given_y REAL,
+  given_sigma REAL CHECK (given_sigma > 0),  -- per axis, m
+  CHECK ((given_x IS NULL) = (given_sigma IS NULL) AND (given_y IS NULL) = (given_sigma IS NULL)),
+  CHECK (control = 0 OR given_sigma IS NULL)
 ) STRICT;
 CREATE TABLE marks (
   id INTEGER PRIMARY KEY CHECK (id >= 0),
@@ -456,7 +461,7 @@ constexpr std::array kFormats = {
     ArtefactFormat{ArtefactKind::kControl, 2, "control", kControlSchema},
     ArtefactFormat{ArtefactKind::kSolution, 3, "solution", kSolutionSchema},
     ArtefactFormat{ArtefactKind::kFeatures, 2, "features", kFeaturesSchema},
-    ArtefactFormat{ArtefactKind::kGraph, 1, "graph", kGraphSchema},
+    ArtefactFormat{ArtefactKind::kGraph, 2, "graph", kGraphSchema},
 };
 
 }  // namespace

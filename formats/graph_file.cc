@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "formats/artefact_file.h"
 #include "formats/artefacts.h"
@@ -24,10 +26,13 @@ struct GraphPoint {
   std::string name;  // empty: the place of a mark that was left out
   bool control = false;
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  std::optional<double> given_x, given_y, given_sigma;
 };
 
 constexpr auto kPoseRow = [](auto& row, auto& id, auto& pose) { row(id, pose.scan, pose.pose); };
-constexpr auto kPointRow = [](auto& row, auto& id, auto& point) { row(id, point.name, point.control, point.place); };
+constexpr auto kPointRow = [](auto& row, auto& id, auto& point) {
+  row(id, point.name, point.control, point.place, point.given_x, point.given_y, point.given_sigma);
+};
 constexpr auto kMarkRow = [](auto& row, auto& id, auto& mark) {
   row(id, mark.pose, mark.point, mark.p_in_pose, mark.covariance);
 };
@@ -54,7 +59,13 @@ std::vector<GraphPoint> PointsOf(const survey::ControlledGraph& graph) {
   for (const Eigen::Vector2d& place : graph.block.graph.points) {
     const bool named = points.size() < graph.block.point_names.size();
     const std::string name = named ? graph.block.point_names[points.size()] : "";
-    points.push_back({name, std::binary_search(graph.control.begin(), graph.control.end(), name), place});
+    points.push_back({name, std::binary_search(graph.control.begin(), graph.control.end(), name), place, {}, {}, {}});
+  }
+  for (const survey::GivenCoordinates& given : graph.block.graph.given) {
+    GraphPoint& point = points[static_cast<std::size_t>(given.points.front())];
+    point.given_x = given.coordinates.x();
+    point.given_y = given.coordinates.y();
+    point.given_sigma = std::sqrt(given.covariance(0, 0));
   }
   return points;
 }
@@ -94,6 +105,12 @@ survey::ControlledGraph ReadGraph(const std::filesystem::path& file) {
     graph.block.graph.points.push_back(point.place);
     if (!point.name.empty()) graph.block.point_names.push_back(point.name);
     if (point.control) graph.control.push_back(point.name);
+    if (point.given_sigma) {
+      const auto index = static_cast<int>(graph.block.graph.points.size()) - 1;
+      graph.block.graph.given.push_back({{index},
+                                         Eigen::Vector2d(*point.given_x, *point.given_y),
+                                         std::pow(*point.given_sigma, 2) * Eigen::Matrix2d::Identity()});
+    }
   }
   graph.block.graph.marks = ReadRows<survey::MarkEdge>(reader, "marks", kMarkRow);
   graph.block.graph.edges = ReadRows<survey::PoseEdge>(reader, "edges", kEdgeRow);

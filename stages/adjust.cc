@@ -99,13 +99,11 @@ int main(int argc, char** argv) {
     const survey::Answers answers = formats::ReadAnswers(answer_files, survey::ClockStamps(stamps));
     if (!answers.empty()) run.AddInput({"answers", formats::Sha256(formats::CanonicalText(answers))});
     std::vector<survey::MapArrow> arrows;
-    if (!arrows_file.empty() && !graph.empty())
-      run.Warn("arrows that people drew are not used where the blocks are adjusted together");
-    else if (!arrows_file.empty())
-      arrows = AddArrows(arrows_file, survey::ClockStamps(stamps), &track, &control, run);
+    if (!arrows_file.empty()) arrows = AddArrows(arrows_file, survey::ClockStamps(stamps), &track, &control, run);
     survey::BlockAdjustment adjustment =
         survey::AdjustBlock(track, loops, control, survey::ClockStamps(stamps), options, answers);
     if (!adjustment.usable) throw formats::DataError(track_file.string() + ": " + adjustment.message);
+    survey::KeepArrows(arrows, adjustment.solution, &adjustment.graph);
     for (const survey::SolvedMark& arrow : survey::TakeArrows(arrows, &adjustment.solution)) {
       if (arrow.used) run.Message(Described(arrow));  // findings tell of the others
     }

@@ -12,6 +12,16 @@ constexpr double kTailVariance_m2 = 1e-6;
 
 std::string PointOf(const MapArrow& arrow) { return "arrow " + arrow.name; }
 
+std::set<std::string> PointsOf(const std::vector<MapArrow>& arrows) {
+  std::set<std::string> points;
+  for (const MapArrow& arrow : arrows) points.insert(PointOf(arrow));
+  return points;
+}
+
+Eigen::Matrix2d CovarianceOf(const MapArrow& arrow) {
+  return arrow.sigma_m * arrow.sigma_m * Eigen::Matrix2d::Identity();
+}
+
 // The node nearest in time to a scan.
 std::size_t NearestNode(std::size_t scan, const std::vector<TrackedScan>& scans) {
   std::size_t nearest = scans.size();
@@ -38,7 +48,7 @@ void AddMark(const MapArrow& arrow, std::size_t scan, Track* track) {
 // Points stay in order of their names, and correlations with their points.
 void AddPoint(const MapArrow& arrow, ControlNetwork* control) {
   ControlPoint point{.name = PointOf(arrow), .role = PointRole::kControl, .position_in_site = arrow.head_in_site};
-  point.covariance = arrow.sigma_m * arrow.sigma_m * Eigen::Matrix2d::Identity();
+  point.covariance = CovarianceOf(arrow);
   point.description = "drawn by a person";
   const auto place = std::lower_bound(control->points.begin(), control->points.end(), point,
                                       [](const ControlPoint& a, const ControlPoint& b) { return a.name < b.name; });
@@ -67,9 +77,25 @@ std::vector<std::string> AddArrows(const std::vector<MapArrow>& arrows, const st
   return lost;
 }
 
+void KeepArrows(const std::vector<MapArrow>& arrows, const Solution& solution, ControlledGraph* graph) {
+  if (arrows.empty()) return;
+  const std::set<std::string> points = PointsOf(arrows);
+  std::vector<MarkEdge> of_arrows;
+  std::vector<MarkEdge> others;
+  for (std::size_t i = 0; i < solution.marks.size(); ++i)
+    (points.contains(solution.marks[i].point) ? of_arrows : others).push_back(graph->block.graph.marks[i]);
+  others.insert(others.end(), of_arrows.begin(), of_arrows.end());
+  graph->block.graph.marks = std::move(others);
+  const std::vector<std::string>& names = graph->block.point_names;
+  for (const MapArrow& arrow : arrows) {
+    if (std::erase(graph->control, PointOf(arrow)) == 0) continue;
+    const auto index = std::find(names.begin(), names.end(), PointOf(arrow)) - names.begin();
+    graph->block.graph.given.push_back({{static_cast<int>(index)}, arrow.head_in_site, CovarianceOf(arrow)});
+  }
+}
+
 std::vector<SolvedMark> TakeArrows(const std::vector<MapArrow>& arrows, Solution* solution) {
-  std::set<std::string> points;
-  for (const MapArrow& arrow : arrows) points.insert(PointOf(arrow));
+  const std::set<std::string> points = PointsOf(arrows);
   std::vector<SolvedMark> taken;
   std::erase_if(solution->marks, [&](const SolvedMark& mark) {
     if (!points.contains(mark.point)) return false;

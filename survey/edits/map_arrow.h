@@ -10,6 +10,7 @@
 
 #include "survey/control/control_point.h"
 #include "survey/edits/map_edit.h"
+#include "survey/graph/controlled_graph.h"
 #include "survey/graph/solution.h"
 #include "survey/submaps/track.h"
 
@@ -28,6 +29,11 @@ inline constexpr double kLeastArrowSigma_m = 0.05;
 // those whose scan is gone. `stamps`: of the track's scans.
 std::vector<std::string> AddArrows(const std::vector<MapArrow>& arrows, const std::vector<StampNs>& stamps,
                                    Track* track, ControlNetwork* control);
+
+// For the joint adjustment of a site, whose network does not know them: arrows that took part are no control of the
+// block but keep their heads in its graph, and the marks of all arrows move behind the others, as TakeArrows takes them
+// out of the solution. `solution`: with the arrows.
+void KeepArrows(const std::vector<MapArrow>& arrows, const Solution& solution, ControlledGraph* graph);
 
 // Takes them out of the solution again, for they are no control: returns them with their residuals and tests.
 std::vector<SolvedMark> TakeArrows(const std::vector<MapArrow>& arrows, Solution* solution);

@@ -3,6 +3,7 @@
 // What the adjustment of a block leaves for that of the whole site: its own observations with their final weights
 // (variance factors applied, robust loss frozen, marks that were left out hanging on points of their own), and which
 // control points took part. Their given coordinates are not in it: the site's network gives them, once for all blocks.
+// What people gave for points of the block's own is, one by one (KeepArrows in survey/edits/map_arrow.h).
 #pragma once
 
 #include <optional>

@@ -101,6 +101,13 @@ class Site {
       graph_.points[IndexOf(point_of_[b].back())] = own.points[p] - offset_;
     }
     const auto place_of = [&](int pose) { return pose == block.site_pose ? SitePose() : first + pose; };
+    for (GivenCoordinates given : own.given) {
+      for (std::size_t i = 0; i < given.points.size(); ++i) {
+        given.points[i] = point_of_[b][Index(given.points[i])];
+        given.coordinates.segment<2>(2 * static_cast<Eigen::Index>(i)) -= offset_;
+      }
+      graph_.given.push_back(std::move(given));
+    }
     for (MarkEdge mark : own.marks) {
       mark.point = point_of_[b][IndexOf(mark.point)];
       mark.pose += first;
@@ -145,7 +152,7 @@ class Site {
   bool GiveCoordinates() {
     GivenControl given = GiveControl(control_, names_, {}, offset_);
     if (!given.problem.empty()) return Fail(given.problem);
-    graph_.given = std::move(given.given);
+    graph_.given.insert(graph_.given.end(), given.given.begin(), given.given.end());
     return true;
   }
 

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/artefacts.h"
 #include "formats/atomic_file.h"
 #include "formats/edit_ledger.h"
 #include "formats/raster_file.h"
@@ -99,6 +100,16 @@ TEST_F(EditsTest, ArrowsAreObservationsThatNeverOutweighControl) {
   EXPECT_EQ(site_.Run().status, 0);
   const std::string log = formats::ReadWholeFile(site_ / "logs/A-adjust.log");
   EXPECT_NE(log.find("arrow near: the map lies 0.0"), std::string::npos) << log;
+  ReplaceInFile(site_ / "site.toml", "# joint = false", "joint = true");
+  EXPECT_EQ(site_.Run().status, 0);
+  const auto marks = formats::ReadSolution(site_ / "work/A/solution.sqlite").marks;
+  EXPECT_FALSE(marks.empty());
+  for (const survey::SolvedMark& mark : marks) {
+    EXPECT_EQ(mark.point.find("arrow"), std::string::npos);
+    if (mark.used) {
+      EXPECT_LT(mark.residual.norm(), 0.01) << mark.point;
+    }
+  }
   ASSERT_EQ(Draw({{"uid", "far"}, {"kind", "adjust"}}, arrow(2.0), "MultiLineString").status, 0);
   EXPECT_EQ(site_.Run().status, 0);
   EXPECT_NE(formats::ReadWholeFile(site_ / "logs/A-adjust.log").find("mark on arrow far was left out"),

@@ -199,6 +199,7 @@ survey::ControlledGraph RandomArtefacts::Graph(int num_nodes) {
     block.graph.points.push_back(Vector2());
     block.graph.marks.push_back({i + 2, i, Vector2(), Covariance<2>()});
   }
+  block.graph.given = {{{1}, Vector2(), 0.0625 * Eigen::Matrix2d::Identity()}};  // P2, the block's own
   for (int i = 1; i < num_nodes + 2; ++i) {
     const auto kind = Coin() ? survey::EdgeKind::kMotion : survey::EdgeKind::kLoop;
     block.graph.edges.push_back({i - 1, i, Pose(), Covariance<3>(), false, kind});

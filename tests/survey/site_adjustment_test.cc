@@ -22,6 +22,7 @@ using test_support::GarageBlock;
 constexpr double kRobustScale = 2.0;
 constexpr double kMatchSigma_m = 0.02;
 constexpr double kMatchSigma_rad = 0.003;
+const Eigen::Matrix2d kIdentity2 = Eigen::Matrix2d::Identity();
 
 struct GarageSite {
   survey::ControlNetwork control;
@@ -191,6 +192,26 @@ TEST(SiteAdjustmentTest, SolutionFollowsTheGraph) {
   EXPECT_EQ(solution.covariances[0].covariance, Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   EXPECT_NEAR(report.max_shift, 0.03, 1e-12);
   EXPECT_NEAR(report.rms_shift, std::sqrt((1.0 + 4.0 + 9.0) / 3.0) / 100.0, 1e-12);
+}
+
+// A person says that a place of block A lies 3 cm beside where it was adjusted, and is sure of it to 5 mm.
+TEST(AdjustSite, WhatWasGivenForABlocksOwnPointCounts) {
+  GarageSite site = MakeSite(31);
+  GarageSite without = site;
+  survey::BlockGraph& block = site.blocks[0].graph.block;
+  constexpr int kPose = 90;
+  const Eigen::Vector2d place = block.graph.poses[kPose].Translation();
+  const Eigen::Vector2d head = place + Eigen::Vector2d(0.03, 0.0);
+  block.graph.marks.push_back({kPose, static_cast<int>(block.graph.points.size()), {0, 0}, 1e-6 * kIdentity2});
+  block.graph.given.push_back({{static_cast<int>(block.graph.points.size())}, head, 2.5e-5 * kIdentity2});
+  block.graph.points.push_back(place);
+  ASSERT_TRUE(survey::AdjustSite(site.control, kRobustScale, &site.blocks, {}).usable);
+  ASSERT_TRUE(survey::AdjustSite(without.control, kRobustScale, &without.blocks, {}).usable);
+  const Eigen::Vector2d moved = site.blocks[0].graph.block.graph.poses[kPose].Translation() -
+                                without.blocks[0].graph.block.graph.poses[kPose].Translation();
+  EXPECT_GT(moved.x(), 0.002);
+  EXPECT_LT(moved.x(), 0.03);
+  EXPECT_LT(std::abs(moved.y()), moved.x());
 }
 
 }  // namespace

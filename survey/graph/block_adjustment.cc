@@ -220,7 +220,8 @@ class Adjuster {
     const std::string impossible = ProblemWithWalls(answers_, PosesOfAllScans(track_, block_, stamps_));
     if (!impossible.empty()) return Fail(impossible);
     first_answer_ = AddAnswers(track_, answers_, &block_);
-    if (std::none_of(answers_.begin(), answers_.end(), [](const Answer& a) { return a.ActsInLocalFrame(); })) return true;
+    if (std::none_of(answers_.begin(), answers_.end(), [](const Answer& a) { return a.ActsInLocalFrame(); }))
+      return true;
     const std::vector<Pose2> free_poses = block_.graph.poses;
     if (!SolveAgain()) return false;
     const auto freed =

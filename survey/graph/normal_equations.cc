@@ -8,7 +8,6 @@
 namespace survey {
 namespace {
 
-
 // Sums up the equations block by block; a negative place is held: nothing is added there.
 class Sum {
  public:
@@ -108,13 +107,15 @@ NormalEquations FormNormalEquations(const PoseGraph& graph) {
                        Eigen::Matrix3d(edge.covariance.inverse()), r.error);
   }
   for (const MarkEdge& mark : graph.marks) {
-    const MarkResidual r = EvaluateMark(graph.poses[IndexOf(mark.pose)], graph.points[IndexOf(mark.point)], mark.p_in_pose);
+    const MarkResidual r =
+        EvaluateMark(graph.poses[IndexOf(mark.pose)], graph.points[IndexOf(mark.point)], mark.p_in_pose);
     sum.AddObservation(equations.columns.of_pose[IndexOf(mark.pose)], r.d_pose,
                        equations.columns.of_point[IndexOf(mark.point)], r.d_point,
                        Eigen::Matrix2d(mark.covariance.inverse()), r.error);
   }
   for (const WallEdge& edge : graph.walls) {
-    const WallResidual r = EvaluateWalls(edge.walls, graph.poses[IndexOf(edge.base)], graph.poses[IndexOf(edge.target)]);
+    const WallResidual r =
+        EvaluateWalls(edge.walls, graph.poses[IndexOf(edge.base)], graph.poses[IndexOf(edge.target)]);
     const Eigen::Matrix2d weight = edge.sigma.cwiseAbs2().cwiseInverse().asDiagonal();
     sum.AddObservation(equations.columns.of_pose[IndexOf(edge.base)], r.d_base,
                        equations.columns.of_pose[IndexOf(edge.target)], r.d_target, weight, r.error);

@@ -4,8 +4,9 @@
 // iterated). There are two kinds: the track (memberships and motions, two copies of one measurement that fit each other
 // whatever its errors) and the loops. What the track got wrong shows only where loops bend it: the squares of its
 // residuals with the loops minus those that it has alone, against the redundancy that the loops bring. What the loops
-// got wrong shows in their own residuals. Where both kinds have enough conditions each has a factor, not far from that of
-// both together; otherwise one factor serves both, near to what is usual where few loops tell. All multiply covariances.
+// got wrong shows in their own residuals. Where both kinds have enough conditions each has a factor, not far from that
+// of both together; otherwise one factor serves both, near to what is usual where few loops tell. All multiply
+// covariances.
 #pragma once
 
 #include <initializer_list>

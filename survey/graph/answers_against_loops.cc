@@ -6,14 +6,14 @@
 namespace survey {
 namespace {
 
-constexpr double kChiSquare3 = 14.16;     // 99.73 %, three degrees of freedom
+constexpr double kContradicted3 = 14.16;  // 99.73 %, three degrees of freedom
 constexpr double kFarthest3 = 3 * 16.27;  // of a loop that stays, as in the loop search
 constexpr double kSameStory_m = 0.5;
 
 const Pose2& PoseOf(const PoseGraph& graph, int pose) { return graph.poses[static_cast<std::size_t>(pose)]; }
 
 bool Contradicted(const PoseEdge& answer, const PoseGraph& graph) {
-  return SquaredNormalisedResidual(answer, graph.poses) > kChiSquare3;
+  return SquaredNormalisedResidual(answer, graph.poses) > kContradicted3;
 }
 
 std::ptrdiff_t NumContradicted(const PoseGraph& graph, std::size_t first_answer) {
@@ -46,8 +46,6 @@ bool TwoAgree(const PoseGraph& solved, const PoseGraph& free, std::size_t first_
   }
   return false;
 }
-
-bool IsLoop(const PoseEdge& edge) { return edge.kind == EdgeKind::kLoop; }
 
 // Poses and points as they are without loops.
 bool StartWithoutLoops(PoseGraphOptions options, PoseGraph* graph) {

@@ -48,6 +48,8 @@ struct PoseEdge {
   bool blind = false;  // a motion without any match: its covariance is not scaled with that of the track
 };
 
+inline bool IsLoop(const PoseEdge& edge) { return edge.kind == EdgeKind::kLoop; }
+
 // [CN] eq. (11): the point stood at p_in_pose of a pose.
 struct MarkEdge {
   int pose = 0;

@@ -22,8 +22,6 @@ constexpr double kConverged = 0.05;         // of the logarithm of a factor: far
 constexpr double kNegligibleCost = 0.01;    // all observations together move by a seventh of a sigma
 constexpr double kNegligibleSquares = 0.1;  // of the track alone: its copies agree
 
-bool IsLoop(const PoseEdge& edge) { return edge.kind == EdgeKind::kLoop; }
-
 struct NetworkEvidence {
   KindEvidence track;
   KindEvidence loops;

@@ -8,7 +8,7 @@ import { execFileSync } from "node:child_process";
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { writeRequests } from "./requests.mjs";
-import { dragScan, openPage, siteUnder, startBrowser, startServer } from "./server.mjs";
+import { clickSite, dragScan, openPage, siteUnder, startBrowser, startServer } from "./server.mjs";
 
 const kStep_m = 0.05;
 const kTurn_rad = (0.5 * Math.PI) / 180;
@@ -38,11 +38,29 @@ async function numAnswered() {
 
 // ---------------------------------------------------------------------------------------------------------- answers
 
+// A wall of the shown scan and the like one of its reference, in their own frames: ends of the points' long side.
+const kWall = [[2, -1], [2, 0.9]];
+
+async function relateWalls({ estimate, reference }) {
+  await page.locator('#walls button[data-relation="parallel"]').click();
+  for (const [pose, end] of [estimate, reference].flatMap((pose) => kWall.map((end) => [pose, end]))) {
+    const [c, s] = [Math.cos(pose.theta), Math.sin(pose.theta)];
+    await clickSite(page, [pose.x + c * end[0] - s * end[1], pose.y + s * end[0] + c * end[1]]);
+  }
+}
+
+// One of the first, where the platform went straight on from its reference.
+const straight = ({ estimate, reference }) => Math.abs(Math.sin(estimate.theta - reference.theta)) < 0.3;
+const related = requests.slice(0, 4).findIndex(straight);
+assert.ok(related >= 0);
+
 const firstShown = Date.now();
 const offsets = new Map(); // by stamp: how far the person moved the scan (east, north, turn)
 await page.locator("#map").click({ position: { x: 5, y: 5 } }); // keys go to the page, not to the name
 for (const [i, request] of requests.entries()) {
-  if (i < 4) {
+  if (i === related) {
+    await relateWalls(request);
+  } else if (i < 4) {
     offsets.set(request.stamp_ns, [0, 0, 0]);
     await press("Enter");
   } else if (i < 7) {
@@ -98,6 +116,12 @@ function checkAnswers() {
   }
   const [, , , , , , , , picked, rejected] = requests;
   assert.equal(answers.get(picked.stamp_ns).decision, "pick");
+  const walls = answers.get(requests[related].stamp_ns);
+  assert.equal(walls.decision, "relate");
+  assert.equal(walls.relation, "parallel");
+  for (const wall of [walls.wall, walls.ref.wall]) {
+    for (const k of [0, 1]) assert.ok(Math.hypot(wall[k][0] - kWall[k][0], wall[k][1] - kWall[k][1]) < kMillimetre, wall);
+  }
   assert.equal(answers.get(rejected.from_ns).decision, "reject_stretch");
 }
 checkAnswers();

@@ -56,6 +56,19 @@ export async function siteUnder(page, [x, y]) {
   return text.match(/-?\d+\.\d+/g).map(Number);
 }
 
+// Clicks on a place of the site that the map shows.
+export async function clickSite(page, [x, y]) {
+  const box = await page.locator("#map").boundingBox();
+  const corners = [[0.25, 0.25], [0.75, 0.75]].map(([u, v]) => [
+    Math.round(box.x + u * box.width),
+    Math.round(box.y + v * box.height),
+  ]);
+  const [a, b] = [await siteUnder(page, corners[0]), await siteUnder(page, corners[1])];
+  const pixel = (k, value) =>
+    corners[0][k] + ((value - a[k]) / (b[k] - a[k])) * (corners[1][k] - corners[0][k]);
+  await page.mouse.click(pixel(0, x), pixel(1, y));
+}
+
 // Takes hold of the scan at its centre, which the page shows in the middle of the map. Returns how far it was moved.
 export async function dragScan(page, [east_px, south_px]) {
   const box = await page.locator("#map").boundingBox();

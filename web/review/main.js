@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The review page: requests on the left, the map in the middle, tools, layers and edits on the right.
-import { answerTo, answerWithPose, rejectionOf, takesPose } from "shared/decisions.js";
+import { answerTo, answerWithPose, rejectionOf, relationOf, takesPose } from "shared/decisions.js";
 import { Review } from "shared/review.js";
 import { kDocuments, sourceOfPage } from "shared/source.js";
 import { Stopwatch } from "shared/stopwatch.js";
@@ -13,6 +13,7 @@ import { SiteMap } from "review/map.js";
 import { Question } from "review/question.js";
 import { answerFor, RequestList } from "review/request_list.js";
 import { ScanOnMap } from "review/scan.js";
+import { WallPair } from "review/walls.js";
 
 const kRequestWidth_m = 24; // of the map that is shown with a request
 
@@ -27,6 +28,10 @@ class Page {
     this.siteMap = new SiteMap("map", source, documents);
     this.scan = new ScanOnMap(this.siteMap, () => this.question.tellPose());
     this.question = new Question(this.scan);
+    this.walls = new WallPair(this.siteMap, this.scan, {
+      tell: (text, isError) => this.tell(text, isError),
+      done: (relation, ends) => this.#relate(relation, ends),
+    });
     this.editsOnMap = new EditsOnMap(this.siteMap, (tool, geometry) => this.#drawn(tool, geometry));
     this.review = new Review(source, documents, () => this.#refresh());
     this.requestList = new RequestList(element("requests"), element("request-summary"), (request) => this.ask(request));
@@ -80,8 +85,19 @@ class Page {
     if (this.request) this.#answer(rejectionOf(this.request, this.watch.about(this.operator)), true);
   }
 
+  async #relate(relation, ends) {
+    const { request } = this;
+    this.walls.start(null);
+    await this.#answer(relationOf(request, relation, this.scan.pose, ends, this.watch.about(this.operator)), true);
+  }
+
   skip() {
     if (this.request) this.#answer(answerTo(this.request, "skip", this.watch.about(this.operator)), true);
+  }
+
+  #takeWalls(relation) {
+    this.useTool(null);
+    this.walls.start(relation);
   }
 
   async #answer(answer, thenNext) {
@@ -96,6 +112,7 @@ class Page {
 
   useTool(tool) {
     const taken = tool && tool !== this.editsOnMap.tool ? tool : null;
+    this.walls.start(null);
     if (taken) this.siteMap.show("site");
     this.editsOnMap.use(taken);
     for (const button of element("tools").children) {
@@ -201,6 +218,9 @@ class Page {
     click("undo", () => this.undo());
     click("finish", () => this.editsOnMap.finish());
     click("point-away", () => this.editsOnMap.undoPoint());
+    for (const button of document.querySelectorAll("#walls button")) {
+      button.addEventListener("click", () => this.#takeWalls(button.dataset.relation));
+    }
     click("tool-down", () => this.useTool(null));
     click("help-button", () => element("help").showModal());
     click("save", () => this.save());
@@ -224,7 +244,7 @@ class Page {
       resetPose: () => this.scan.reset(),
       undo: () => this.undo(),
       putToolDown: () => this.useTool(null),
-      undoPoint: () => this.editsOnMap.undoPoint(),
+      undoPoint: () => (this.walls.relation ? this.walls.undoPoint() : this.editsOnMap.undoPoint()),
       useTool: (tool) => this.useTool(tool),
       help: () => element("help").showModal(),
     });

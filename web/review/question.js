@@ -30,6 +30,7 @@ export class Question {
     element("question-title").textContent = `Request ${request.rank}, block ${request.block}: ${causeText(request)}`;
     element("question-text").textContent = request.causes.map(({ message }) => message).join("; ");
     for (const id of ["accept", "save-correction"]) element(id).disabled = !takesPose;
+    element("walls").hidden = !request.reference || !request.reference_points?.length;
     element("modes").replaceChildren(...request.modes.map((mode, i) => this.#modeButton(request, mode, i)));
     this.scan.show(request);
     const moved = ["correct", "pick"].includes(answer?.decision);

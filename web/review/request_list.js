@@ -20,6 +20,7 @@ export const kDecisions = {
   correct: "corrected",
   pick: "picked",
   reject_stretch: "stretch rejected",
+  relate: "walls related",
   skip: "skipped",
 };
 

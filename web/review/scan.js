@@ -39,6 +39,7 @@ export class ScanOnMap {
     this.map = siteMap.map;
     this.changed = changed;
     this.request = null;
+    this.held = false; // by a tool that takes clicks on the points
     this.features = Object.fromEntries(Object.keys(kStyles).map((name) => [name, this.#feature(name)]));
     const layer = new ol.layer.Vector({
       source: new ol.source.Vector({ features: Object.values(this.features) }),
@@ -70,6 +71,15 @@ export class ScanOnMap {
     return this.pose.every((value, i) => value === estimate[i]);
   }
 
+  get pointsOnSite() {
+    return this.request.points.map((point) => transformed(this.pose, point));
+  }
+
+  get referenceOnSite() {
+    const { reference, reference_points: points } = this.request;
+    return reference ? (points ?? []).map((point) => transformed(poseOf(reference), point)) : [];
+  }
+
   put(pose) {
     this.pose = pose;
     this.#place();
@@ -91,11 +101,10 @@ export class ScanOnMap {
       for (const feature of Object.values(this.features)) feature.setGeometry(undefined);
       return;
     }
-    const onSite = (pose, points) => new ol.geom.MultiPoint(points.map((point) => transformed(pose, point)));
-    const { reference, modes, points, reference_points: referencePoints } = this.request;
+    const { reference, modes } = this.request;
     const handle = this.#turnHandle();
-    this.features.points.setGeometry(onSite(this.pose, points));
-    this.features.reference.setGeometry(reference ? onSite(poseOf(reference), referencePoints ?? []) : undefined);
+    this.features.points.setGeometry(new ol.geom.MultiPoint(this.pointsOnSite));
+    this.features.reference.setGeometry(reference ? new ol.geom.MultiPoint(this.referenceOnSite) : undefined);
     this.features.centre.setGeometry(new ol.geom.Point(this.pose.slice(0, 2)));
     this.features.turn.setGeometry(new ol.geom.Point(handle));
     this.features.arm.setGeometry(new ol.geom.LineString([this.pose.slice(0, 2), handle]));
@@ -114,7 +123,7 @@ export class ScanOnMap {
 
   // What a press at a pixel takes hold of: "turn", "move" or nothing.
   #gripAt(event) {
-    if (!this.request || event.originalEvent.button > 0) return null;
+    if (!this.request || this.held || event.originalEvent.button > 0) return null;
     if (this.#isNear(event.pixel, this.#turnHandle())) return "turn";
     const points = [this.pose.slice(0, 2), ...this.features.points.getGeometry().getCoordinates()];
     if (!points.some((point) => this.#isNear(event.pixel, point))) return null;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Answers and edits as they go to disk; formats/README.md has their members. Coordinates to 0.1 mm.
-import { between } from "shared/pose.js";
+import { between, inverse, transformed } from "shared/pose.js";
 
 const round = (value, digits) => Number(value.toFixed(digits));
 
@@ -40,6 +40,18 @@ export function answerTo(request, decision, about) {
 
 export function rejectionOf(request, about) {
   return { ...answerTo(request, "reject_stretch", about), stamp_ns: request.from_ns, end_ns: request.until_ns };
+}
+
+// How a wall of the scan lies to one of the request's reference: "collinear", "parallel" or "perpendicular".
+// `ends`: two of the scan's wall where it is shown, two of the reference's, all in the site.
+export function relationOf(request, relation, siteFromScan, ends, about) {
+  const wall = (pose, points) => points.map((p) => transformed(inverse(pose), p).map((value) => round(value, 4)));
+  return {
+    ...answerTo(request, "relate", about),
+    relation,
+    wall: wall(siteFromScan, ends.slice(0, 2)),
+    ref: { stamp_ns: request.reference.stamp_ns, wall: wall(poseOf(request.reference), ends.slice(2)) },
+  };
 }
 
 export function newUid() {

@@ -38,7 +38,7 @@ class Tie {
     if (!all.problem.empty()) return std::move(result_);
     if (!of_network.told) WidenNetwork(all.given);
     if (!Iterate(all.given)) return std::move(result_);
-    if (!of_network.told && !NarrowNetwork(all.given, of_network.conditions)) return std::move(result_);
+    if (!of_network.told && !RefineNetwork(all.given, of_network.conditions)) return std::move(result_);
     Report();
     block_.graph = std::move(constrained_);
     result_.usable = true;
@@ -92,10 +92,9 @@ class Tie {
   }
 
   // By the marks that were not left out; those that were stay so.
-  bool NarrowNetwork(const std::vector<GivenCoordinates>& given, double conditions) {
-    const double factor = NarrowingFactor(misfit_, search_.kept, conditions);
-    if (factor == 1.0 || search_.contradicted) return true;
-    MultiplyCovariances(factor);
+  bool RefineNetwork(const std::vector<GivenCoordinates>& given, double conditions) {
+    if (search_.contradicted) return true;
+    MultiplyCovariances(FactorByMarks(misfit_, search_.kept, conditions));
     misfit_ = *MisfitOfControl(block_.graph, given);
     return SolveConstrained();
   }

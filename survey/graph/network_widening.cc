@@ -11,6 +11,7 @@ namespace survey {
 namespace {
 
 constexpr int kFewestMarks = 5;
+constexpr std::size_t kFewestToFix = 3;  // two hold the datum and little more
 constexpr double kLargestFactor = 1e6;
 
 // What the tests of marks need, with the network's covariance multiplied.
@@ -36,19 +37,16 @@ double MedianT(const ControlMisfit& misfit, double factor) {
   return *middle;
 }
 
-// Conditions that the network's squares do not fill under this factor.
-double Unfilled(const ControlMisfit& misfit, const std::vector<int>& kept, double factor) {
+ControlTests::Component OfNetwork(const ControlMisfit& misfit, const std::vector<int>& kept, double factor) {
   const ControlMisfit scaled = WithNetwork(misfit, factor);
   const ControlTests tests(scaled, kept);
-  if (!tests.usable()) return 0.0;
-  const ControlTests::Component network = tests.ComponentOfNetwork();
-  return network.redundancy - network.squares;
+  return tests.usable() ? tests.ComponentOfNetwork() : ControlTests::Component{};
 }
 
 // The logarithm between `low` and `high` where `beyond` becomes true.
 template <typename Predicate>
 double Turn(double low, double high, const Predicate& beyond) {
-  for (int step = 0; step < 20; ++step) {
+  for (int step = 0; step < 24; ++step) {
     const double middle = (low + high) / 2.0;
     (beyond(std::exp(middle)) ? high : low) = middle;
   }
@@ -65,12 +63,15 @@ double WideningFactor(const ControlMisfit& misfit) {
       Turn(0.0, std::log(kLargestFactor), [&](double factor) { return MedianT(misfit, factor) <= median; }));
 }
 
-double NarrowingFactor(const ControlMisfit& misfit, const std::vector<int>& kept, double conditions) {
-  if (kept.size() < 3) return 1.0;
+double FactorByMarks(const ControlMisfit& misfit, const std::vector<int>& kept, double conditions) {
+  if (kept.size() < kFewestToFix) return 1.0;
   const auto beyond = [&](double factor) {
-    return Unfilled(misfit, kept, factor) + conditions * std::log(factor) > 0.0;
+    const ControlTests::Component network = OfNetwork(misfit, kept, factor);
+    return network.redundancy - network.squares + conditions * std::log(factor) > 0.0;
   };
-  return beyond(1.0) ? std::exp(Turn(-std::log(kLargestFactor), 0.0, beyond)) : 1.0;
+  const double factor = std::exp(Turn(-std::log(kLargestFactor), std::log(kLargestFactor), beyond));
+  const double told = conditions + OfNetwork(misfit, kept, factor).redundancy;
+  return factor * std::exp(3.0 / told);  // 2 F(0.95; 2, told) by chi-square, within 3 %
 }
 
 }  // namespace survey

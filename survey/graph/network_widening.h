@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Where too few loops tell how good the network's covariances are, control must. An optimistic network would blame good
-// marks, so before the search for blunders control may only widen it; by the marks that are left afterwards it may
-// narrow it: what the map is worth would otherwise stay hidden behind sigmas that no loop has confirmed.
+// marks, so before the search for blunders control may only widen it. By the marks that are left afterwards it gets the
+// factor that they tell, often a smaller one: what the map is worth would otherwise stay hidden behind sigmas that
+// nothing has confirmed.
 #pragma once
 
 #include <vector>
@@ -15,8 +16,10 @@ namespace survey {
 // distribution (1.386): up to almost half of the marks may be blunders. 1 with fewer than five marks.
 double WideningFactor(const ControlMisfit& misfit);
 
-// Factor, at most 1, for the covariances of the network by its variance component [Foerstner79] in the conditions of
-// the marks `kept` (places in the misfit). The covariances as they are count as much as `conditions`.
-double NarrowingFactor(const ControlMisfit& misfit, const std::vector<int>& kept, double conditions);
+// Factor for the covariances of the network by its variance component [Foerstner79] in the conditions of the marks
+// `kept` (places in the misfit), where the covariances as they are count as `conditions`. So much larger that ellipses
+// of 95 % by the chi-square distribution hold what those by Fisher's would with so many conditions. 1 with fewer than
+// three marks.
+double FactorByMarks(const ControlMisfit& misfit, const std::vector<int>& kept, double conditions);
 
 }  // namespace survey

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/graph/answer_factors.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+
+#include "survey/graph/graph_covariance.h"
+#include "survey/graph/graph_residuals.h"
+#include "survey/graph/variance_components.h"
 
 namespace survey {
 namespace {
@@ -71,14 +76,26 @@ WallEdge WallsOf(const Track& track, const Answer& answer, const BlockGraph& blo
   return {block.PoseOf(base), block.PoseOf(target), walls, answer.wall_sigma};
 }
 
+// Chi-square of an answered pose against the rest.
+double AgainstTheRest(const PoseEdge& answer, const PoseGraph& graph, const GraphCovariance& covariance) {
+  constexpr double kUncontrolled = 1e-4;  // redundancy that is rounding
+  const auto pose = [&](int index) { return graph.poses[static_cast<std::size_t>(index)]; };
+  const Eigen::Vector3d error =
+      EvaluateRelativePose(pose(answer.base), pose(answer.target), answer.base_from_target).error;
+  const Eigen::Matrix3d of_residual = covariance.OfResidual(answer) + kUncontrolled * answer.covariance;
+  return error.dot(of_residual.ldlt().solve(error));
+}
+
 // Of all answers that observe something, in their order.
-std::vector<AnswerTest> TestEach(const Answers& answers, const PoseGraph& graph, std::size_t first_edge) {
+std::vector<AnswerTest> TestEach(const Answers& answers, PoseGraph graph, std::size_t first_edge) {
+  FreezeRobustWeights(&graph);
+  const auto covariance = GraphCovariance::Of(graph);
+  if (!covariance) return {};
   std::vector<AnswerTest> tests;
   auto edge = graph.edges.begin() + static_cast<std::ptrdiff_t>(first_edge);
   auto walls = graph.walls.begin();
   for (const Answer& answer : answers) {
-    if (answer.HasRelativePose())
-      tests.push_back(JudgeAnswer(answer, SquaredNormalisedResidual(*edge++, graph.poses), 3));
+    if (answer.HasRelativePose()) tests.push_back(JudgeAnswer(answer, AgainstTheRest(*edge++, graph, *covariance), 3));
     if (!answer.walls) continue;
     const WallEdge& known = *walls++;
     const double chi_square =
@@ -180,7 +197,7 @@ std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& bl
     }
     if (!Solve(&rest, options).usable) break;
     const std::vector<AnswerTest> without = TestEach(answers, rest, first_edge);
-    for (std::size_t i = 0; i < tests.size(); ++i) {
+    for (std::size_t i = 0; i < without.size(); ++i) {
       if (!named[i]) tests[i] = without[i];
     }
   }

@@ -16,7 +16,7 @@ namespace survey {
 struct AnswerTest {
   std::string name;
   ScanId scan;
-  double chi_square = 0.0;  // of its residuals
+  double chi_square = 0.0;  // of what the rest says at its place against it
   double limit = 0.0;       // 99.73 % of its degrees of freedom
   bool in_conflict = false;
   std::string not_used;  // why
@@ -35,8 +35,10 @@ std::string ProblemWithWalls(const Answers& answers, const std::vector<Pose2>& p
 // the order of the answers.
 std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* block);
 
-// Those of AddAnswers, after the adjustment: three degrees of freedom, or as many as a relation has. A wrong answer
-// bends right ones: where several are in conflict the worst is named and the others are tested without it, and so on.
+// Those of AddAnswers, after the adjustment: each against all the rest, r' (Q_rr)^-1 r [Baarda68], so that one that has
+// bent the rest to itself is found, too; of walls their residuals. Three degrees of freedom, or as many as a relation
+// has. A wrong answer bends right ones: where several are in conflict the worst is named, with those half as bad, since
+// any of these may be the wrong one, and the others are tested without them, and so on.
 std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge,
                                     const PoseGraphOptions& options);
 

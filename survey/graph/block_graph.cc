@@ -110,8 +110,10 @@ Eigen::Vector3d JumpTo(const Track& track, ScanId matched) {
   return {jump.Translation().norm(), jump.Translation().norm(), jump.theta};
 }
 
+// A match tells where its own scan lies, a blind prediction the motion from the scan before.
 Eigen::Matrix3d CovarianceOfMotion(const TrackedScan& from, const TrackedScan& to, double way) {
-  Eigen::Matrix3d covariance = from.covariance + to.covariance;
+  Eigen::Matrix3d covariance = to.covariance;
+  if (!GoneBlind(from)) covariance += from.covariance;
   covariance.diagonal() += Eigen::Vector3d(1e-5 + 1e-4 * way, 1e-5 + 1e-4 * way, 1e-6 + 1e-5 * way);
   return covariance;
 }

@@ -33,13 +33,11 @@ Eigen::Matrix3d GraphCovariance::Between(int pose, int other) const {
 
 Eigen::Matrix3d GraphCovariance::OfPose(int pose) const { return Between(pose, pose); }
 
-double GraphCovariance::RedundancyOf(const PoseEdge& edge) const {
+Eigen::Matrix3d GraphCovariance::OfAdjusted(const PoseEdge& edge) const {
   const RelativePoseResidual r = Residual(*graph_, edge);
   const Eigen::Matrix3d cross = r.d_base * Between(edge.base, edge.target) * r.d_target.transpose();
-  const Eigen::Matrix3d of_adjusted = r.d_base * OfPose(edge.base) * r.d_base.transpose() +
-                                      r.d_target * OfPose(edge.target) * r.d_target.transpose() + cross +
-                                      cross.transpose();
-  return 3.0 - edge.covariance.llt().solve(of_adjusted).trace();
+  return r.d_base * OfPose(edge.base) * r.d_base.transpose() +
+         r.d_target * OfPose(edge.target) * r.d_target.transpose() + cross + cross.transpose();
 }
 
 void GraphCovariance::TakeStep(PoseGraph* graph) const {
@@ -53,6 +51,12 @@ void GraphCovariance::TakeStep(PoseGraph* graph) const {
     if (columns_.of_point[i] >= 0) graph->points[i] += step_.segment<2>(columns_.of_point[i]);
   }
 }
+
+double GraphCovariance::RedundancyOf(const PoseEdge& edge) const {
+  return 3.0 - edge.covariance.llt().solve(OfAdjusted(edge)).trace();
+}
+
+Eigen::Matrix3d GraphCovariance::OfResidual(const PoseEdge& edge) const { return edge.covariance - OfAdjusted(edge); }
 
 Eigen::Matrix2d CovarianceOfMark(const MarkEdge& mark, const Pose2& pose, const Eigen::Matrix3d& covariance) {
   const Eigen::Matrix2d rotation = Rotation2(pose.theta);

@@ -28,12 +28,15 @@ class GraphCovariance {
 
   // Moves a copy of the graph by the Gauss-Newton step that the same factorisation gives: near the minimum, to it.
   void TakeStep(PoseGraph* graph) const;
+  // Of the residual of an edge of the graph: what was measured minus what was adjusted.
+  Eigen::Matrix3d OfResidual(const PoseEdge& edge) const;
 
  private:
   GraphCovariance(const PoseGraph& graph, NormalColumns columns, SelectedInverse inverse, Eigen::VectorXd step)
       : graph_(&graph), columns_(std::move(columns)), inverse_(std::move(inverse)), step_(std::move(step)) {}
 
   Eigen::Matrix3d Between(int pose, int other) const;
+  Eigen::Matrix3d OfAdjusted(const PoseEdge& edge) const;
 
   const PoseGraph* graph_;  // must outlive this
   NormalColumns columns_;

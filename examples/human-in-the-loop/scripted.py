@@ -91,8 +91,8 @@ class Run:
         stage("track", "--session", self.session, "--output", self.track)
         stage("loops", "--session", self.session, "--track", self.track, "--output", self.loops)
 
-    def adjusted(self, answers=()):
-        solution = self.folder / "graph-solution.sqlite"
+    def adjusted(self, answers=(), name="alone"):
+        solution = self.folder / f"solution-{name}.sqlite"
         stage("adjust", "--track", self.track, "--loops", self.loops, "--output", solution,
               *(["--answers", *answers] if answers else []))
         return solution

@@ -33,17 +33,20 @@ const char* SymbolType(VectorShape shape) {
 
 }  // namespace
 
-std::string QmlStyle(const VectorLayer& layer) {
-  std::string qml =
-      "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n<qgis version=\"3.22\" labelsEnabled=\"";
-  qml += layer.label_field.empty() ? "0\">\n" : "1\">\n";
-  qml += std::string("<renderer-v2 type=\"singleSymbol\"><symbols><symbol name=\"0\" type=\"") +
-         SymbolType(layer.shape) + "\">" + SymbolLayer(layer) + "</symbol></symbols></renderer-v2>\n";
+std::string StyleElements(const VectorLayer& layer) {
+  std::string qml = std::string("<renderer-v2 type=\"singleSymbol\"><symbols><symbol name=\"0\" type=\"") +
+                    SymbolType(layer.shape) + "\">" + SymbolLayer(layer) + "</symbol></symbols></renderer-v2>\n";
   if (!layer.label_field.empty()) {
     qml += "<labeling type=\"simple\"><settings><text-style fieldName=\"" + layer.label_field +
            "\" fontSize=\"8\" textColor=\"" + layer.colour + "\"/></settings></labeling>\n";
   }
-  return qml + layer.form + "</qgis>\n";
+  return qml + layer.form;
+}
+
+std::string QmlStyle(const VectorLayer& layer) {
+  return std::string(
+             "<!DOCTYPE qgis PUBLIC 'http://mrcc.com/qgis.dtd' 'SYSTEM'>\n<qgis version=\"3.22\" labelsEnabled=\"") +
+         (layer.label_field.empty() ? "0" : "1") + "\">\n" + StyleElements(layer) + "</qgis>\n";
 }
 
 }  // namespace formats

@@ -11,4 +11,7 @@ namespace formats {
 
 std::string QmlStyle(const VectorLayer& layer);
 
+// The elements of the style, as they also stand in a layer of a project.
+std::string StyleElements(const VectorLayer& layer);
+
 }  // namespace formats

@@ -198,9 +198,9 @@ $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sq
 
 $(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite)\
   $(call edits-of,$(call of-blocks,$(site-blocks),edits.json)),\
-  out/certificate.html out/site.gpkg out/site.dxf,\
+  out/certificate.html out/site.gpkg out/site.qgs out/site.dxf,\
   --certificate out/certificate.json $(addprefix --site-map ,$(site-map))\
-  --solution $(call named,$(blocks),solution.sqlite) --geopackage out/site.gpkg --dxf out/site.dxf\
+  --solution $(call named,$(blocks),solution.sqlite) --geopackage out/site.gpkg --project out/site.qgs --dxf out/site.dxf\
   $(call edits-of,--edits $(call named,$(site-blocks),edits.json))\
   --output out/certificate.html)
 

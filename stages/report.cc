@@ -7,6 +7,8 @@
 #include "formats/certificate_html.h"
 #include "formats/edit_layers.h"
 #include "formats/feature_pictures.h"
+#include "formats/qgis_project.h"
+#include "formats/raster_file.h"
 #include "formats/site_vectors.h"
 #include "formats/vector_files.h"
 #include "pipeline/site_edits.h"
@@ -30,6 +32,21 @@ std::vector<formats::BlockTrajectory> ReadTrajectories(const std::vector<pipelin
   return trajectories;
 }
 
+void WriteProject(const std::filesystem::path& file, const std::filesystem::path& site_map,
+                  const std::filesystem::path& geopackage, const survey::Certificate& certificate,
+                  const std::vector<formats::VectorLayer>& layers) {
+  if (geopackage.empty()) throw formats::UsageError("--project needs --geopackage, which holds its layers");
+  formats::QgisProject project{.title = certificate.site,
+                               .frame = certificate.frame,
+                               .map = site_map,
+                               .map_frame = {},
+                               .geopackage = geopackage,
+                               .layers = layers};
+  formats::RasterLabel label;
+  if (!site_map.empty()) project.map_frame = formats::ReadRasterFrame(site_map, &label);
+  formats::WriteQgisProject(file, project);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -37,8 +54,9 @@ int main(int argc, char** argv) {
       "report",
       "Write the certificate as a self-contained HTML page, and its points, vectors and tracks for GIS and CAD.",
       "plumbline report --certificate out/certificate.json --site-map out/site.tif --solution "
-      "B1=work/B1/solution.sqlite --geopackage out/site.gpkg --dxf out/site.dxf --output out/certificate.html");
-  std::filesystem::path certificate, site_map, output, geopackage, dxf;
+      "B1=work/B1/solution.sqlite --geopackage out/site.gpkg --project out/site.qgs --dxf out/site.dxf --output "
+      "out/certificate.html");
+  std::filesystem::path certificate, site_map, output, geopackage, project, dxf;
   std::vector<pipeline::NamedFile> solutions, edits;
   stage.Input("certificate", &certificate, "certificate.json");
   stage.OptionalInput("site-map", &site_map, "site.tif, for the figures");
@@ -46,6 +64,7 @@ int main(int argc, char** argv) {
   stage.NamedInputs("edits", &edits, "edits.json of each block on the map, for the layers", false);
   stage.Output("output", &output, "certificate.html to write");
   stage.OptionalOutput("geopackage", &geopackage, "site.gpkg to write: control, checks, error vectors, tracks");
+  stage.OptionalOutput("project", &project, "site.qgs to write: the map and the layers of --geopackage for QGIS");
   stage.OptionalOutput("dxf", &dxf, "site.dxf to write: the same for CAD");
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     formats::CertificatePage page{.certificate = formats::ReadCertificate(certificate),
@@ -61,6 +80,7 @@ int main(int argc, char** argv) {
       layers.push_back(std::move(layer));
     const formats::RasterLabel label{.frame = page.certificate.frame, .tied = page.certificate.tied};
     if (!geopackage.empty()) formats::WriteGeoPackage(geopackage, layers, label, run.Provenance());
+    if (!project.empty()) WriteProject(project, site_map, geopackage, page.certificate, layers);
     if (!dxf.empty()) formats::WriteDxf(dxf, layers);
   });
 }

@@ -250,7 +250,7 @@ TEST_F(CertifyStageTest, ReportWritesLayersForGisAndCad) {
   const auto report = [&] {
     return test_support::RunCommand(
         {"plumbline-report", "--certificate", "out/certificate.json", "--solution", "B1=B1.sqlite", "--geopackage",
-         "site.gpkg", "--dxf", "site.dxf", "--output", "page.html"},
+         "site.gpkg", "--project", "site.qgs", "--dxf", "site.dxf", "--output", "page.html"},
         scratch_.path().string());
   };
   const CommandResult first = report();
@@ -275,6 +275,10 @@ TEST_F(CertifyStageTest, ReportWritesLayersForGisAndCad) {
   EXPECT_NE(info({"site.gpkg"}).find("PLUMBLINE_PROVENANCE"), std::string::npos);
   const std::string drawing = info({"-al", "-where", "Layer='control'", "site.dxf"});
   EXPECT_NE(drawing.find("Feature Count: 16"), std::string::npos) << drawing;  // eight points, eight names
+  const std::string project = Bytes("site.qgs");
+  for (const std::string layer : {"trajectories", "ellipses", "residual_vectors", "seams", "control", "checks"}) {
+    EXPECT_NE(project.find("<datasource>./site.gpkg|layername=" + layer + "</datasource>"), std::string::npos) << layer;
+  }
   const std::string geopackage = Bytes("site.gpkg"), dxf = Bytes("site.dxf");
   std::filesystem::remove(scratch_ / "site.gpkg");
   ASSERT_EQ(report().status, 0);

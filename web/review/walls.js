@@ -33,6 +33,7 @@ export class WallPair {
     const source = new ol.source.Vector({ features: [this.shown] });
     siteMap.add(new ol.layer.Vector({ source, zIndex: 21, properties: { kind: "scan" } }));
     siteMap.map.on("click", ({ coordinate }) => this.#click(coordinate));
+    siteMap.map.on("dblclick", () => !this.tookClick); // ends that are clicked quickly do not zoom
   }
 
   // null: nothing is being given any more.
@@ -56,6 +57,7 @@ export class WallPair {
   }
 
   #click(coordinate) {
+    this.tookClick = this.relation !== null;
     if (!this.relation) return;
     const onRed = this.ends.length < 2;
     const end = nearest(onRed ? this.scan.pointsOnSite : this.scan.referenceOnSite, coordinate);

@@ -103,7 +103,7 @@ class Site {
     const auto place_of = [&](int pose) { return pose == block.site_pose ? SitePose() : first + pose; };
     for (GivenCoordinates given : own.given) {
       for (std::size_t i = 0; i < given.points.size(); ++i) {
-        given.points[i] = point_of_[b][Index(given.points[i])];
+        given.points[i] = point_of_[b][IndexOf(given.points[i])];
         given.coordinates.segment<2>(2 * static_cast<Eigen::Index>(i)) -= offset_;
       }
       graph_.given.push_back(std::move(given));

@@ -3,14 +3,15 @@
 
 #include <algorithm>
 
+#include "survey/graph/loop_consistency.h"
+
 namespace survey {
 namespace {
 
 constexpr double kContradicted3 = 14.16;  // 99.73 %, three degrees of freedom
-constexpr double kFarthest3 = 3 * 16.27;  // of a loop that stays, as in the loop search
 constexpr double kSameStory_m = 0.5;
 
-const Pose2& PoseOf(const PoseGraph& graph, int pose) { return graph.poses[static_cast<std::size_t>(pose)]; }
+const Pose2& PoseOf(const PoseGraph& graph, int pose) { return graph.poses[IndexOf(pose)]; }
 
 bool Contradicted(const PoseEdge& answer, const PoseGraph& graph) {
   return SquaredNormalisedResidual(answer, graph.poses) > kContradicted3;
@@ -68,7 +69,7 @@ std::optional<FreedSolution> FollowAnswersAgainstLoops(std::size_t first_answer,
   if (!TwoAgree(block->graph, graph, first_answer)) return std::nullopt;
   if (!StartWithoutLoops(options, &graph) || !Solve(&graph, options).usable) return std::nullopt;
   // False loops may have widened all of them. The loops stand before the answers.
-  const double limit = kFarthest3 / std::max(1.0, factor_of_loops);
+  const double limit = kFarthestLoop / std::max(1.0, factor_of_loops);
   const std::size_t left_out = std::erase_if(graph.edges, [&](const PoseEdge& edge) {
     return IsLoop(edge) && SquaredNormalisedResidual(edge, graph.poses) > limit;
   });

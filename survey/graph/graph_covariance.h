@@ -28,6 +28,7 @@ class GraphCovariance {
 
   // Moves a copy of the graph by the Gauss-Newton step that the same factorisation gives: near the minimum, to it.
   void TakeStep(PoseGraph* graph) const;
+
   // Of the residual of an edge of the graph: what was measured minus what was adjusted.
   Eigen::Matrix3d OfResidual(const PoseEdge& edge) const;
 

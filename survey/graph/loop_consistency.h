@@ -14,6 +14,8 @@ namespace survey {
 
 // Of a squared normalised residual with three degrees of freedom, 99.9 %.
 inline constexpr double kChiSquare3 = 16.27;
+// Of a loop that stays.
+inline constexpr double kFarthestLoop = 3.0 * kChiSquare3;
 
 // How far the track may have drifted over a way: sigmas per metre and per root of a metre.
 struct DriftRates {

@@ -284,7 +284,7 @@ void LoopSearch::CloseLoops() {
   for (Loop& loop : result_.loops) {
     if (!loop.accepted) continue;
     const PoseEdge& edge = block_.graph.edges[next++];
-    if (SquaredNormalisedResidual(edge, block_.graph.poses) > 3.0 * kChiSquare3) {
+    if (SquaredNormalisedResidual(edge, block_.graph.poses) > kFarthestLoop) {
       loop.accepted = false;
       loop.reason = "contradicts the rest of the block";
     } else {

@@ -2,6 +2,7 @@
 #include "formats/artefact_text.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "formats/artefact_file.h"
 #include "formats/artefacts.h"

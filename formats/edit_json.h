@@ -4,7 +4,7 @@
 // edits".
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "survey/edits/map_edit.h"

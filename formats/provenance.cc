@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/provenance.h"
 
+#include <nlohmann/json.hpp>
+
 #include "formats/atomic_file.h"
 #include "formats/digest.h"
 #include "formats/errors.h"
@@ -52,6 +54,8 @@ nlohmann::json ToJson(const Provenance& provenance) {
   }
   return records;
 }
+
+std::string JsonTextOf(const Provenance& provenance) { return ToJson(provenance).dump(); }
 
 Provenance ProvenanceFromJson(const nlohmann::json& json) {
   try {

@@ -7,7 +7,7 @@
 
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +49,7 @@ struct Provenance {
 Provenance WithInputs(const Provenance& whole, std::vector<ProvenanceInput> inputs);
 
 nlohmann::json ToJson(const Provenance& provenance);
+std::string JsonTextOf(const Provenance& provenance);  // in one line
 Provenance ProvenanceFromJson(const nlohmann::json& json);  // DataError when malformed
 
 // What a file is by its first bytes. DataError when it cannot be read.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "formats/artefact_file.h"
 #include "formats/atomic_file.h"

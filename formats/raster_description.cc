@@ -50,7 +50,7 @@ void Describe(GDALDataset* data, const survey::SiteRaster& frame, const RasterLa
   data->SetMetadataItem(kTiedItem, label.tied ? "yes" : "no");
   if (label.tied && !label.frame.crs.empty()) data->SetMetadataItem(kCrsItem, label.frame.crs.c_str());
   DescribeMetric(data, frame, label);
-  data->SetMetadataItem(kProvenanceItem, ToJson(provenance).dump().c_str());
+  data->SetMetadataItem(kProvenanceItem, JsonTextOf(provenance).c_str());
 }
 
 void DescribeBand(GDALRasterBand* band, const char* name, const char* unit) {

@@ -182,7 +182,7 @@ void WriteGeoPackage(const std::filesystem::path& file, const std::vector<Vector
   crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   for (const VectorLayer& layer : layers) AddLayer(layer, &crs, dataset.get());
   AddStyles(layers, dataset.get());
-  dataset->SetMetadataItem("PLUMBLINE_PROVENANCE", ToJson(provenance).dump().c_str());
+  dataset->SetMetadataItem("PLUMBLINE_PROVENANCE", JsonTextOf(provenance).c_str());
   dataset.reset();
   session.ThrowIfFailed(file, "cannot be written");
   output.Commit();

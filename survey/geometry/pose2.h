@@ -19,7 +19,11 @@ inline double NormalizeAngle(double angle_rad) {
 inline Eigen::Matrix2d Rotation2(double angle_rad) {
   const double c = std::cos(angle_rad);
   const double s = std::sin(angle_rad);
-  return (Eigen::Matrix2d() << c, -s, s, c).finished();
+  Eigen::Matrix2d rotation;
+  rotation(0, 0) = rotation(1, 1) = c;
+  rotation(1, 0) = s;
+  rotation(0, 1) = -s;
+  return rotation;
 }
 
 // Translation in metres, rotation in radians, counter-clockwise positive.
@@ -60,11 +64,7 @@ inline Pose2 Between(const Pose2& frame_from_a, const Pose2& frame_from_b) {
 }
 
 // Covariance of x, y, theta seen in axes turned by -angle: the errors turned by +angle.
-inline Eigen::Matrix3d RotatedCovariance(const Eigen::Matrix3d& covariance, double angle_rad) {
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  rotation.topLeftCorner<2, 2>() = Rotation2(angle_rad);
-  return rotation * covariance * rotation.transpose();
-}
+Eigen::Matrix3d RotatedCovariance(const Eigen::Matrix3d& covariance, double angle_rad);
 
 // Pose on the way from a (fraction 0) to b (fraction 1): translation linear, rotation along the shorter arc.
 // Fractions outside [0, 1] extrapolate.

@@ -94,11 +94,7 @@ struct Session {
 };
 
 // One range per beam; lives as long as the session and the buffer, which may be overwritten.
-inline std::span<const float> RangesOf(const Session& session, std::size_t scan, std::vector<float>* buffer) {
-  if (session.ranges == nullptr) return session.scans[scan].ranges_m;
-  session.ranges->Read(scan, buffer);
-  return *buffer;
-}
+std::span<const float> RangesOf(const Session& session, std::size_t scan, std::vector<float>* buffer);
 
 // The stamps of a scan, kept beside its pose. They differ only where a faulty clock of the logging program was
 // repaired.
@@ -109,18 +105,8 @@ struct ScanStamp {
   bool operator==(const ScanStamp&) const = default;
 };
 
-inline std::vector<ScanStamp> StampsOfScans(const Session& session) {
-  std::vector<ScanStamp> stamps;
-  stamps.reserve(session.scans.size());
-  for (const Scan& scan : session.scans) stamps.push_back({scan.stamp_ns, scan.stamp_ns - scan.clock_repair_ns});
-  return stamps;
-}
+std::vector<ScanStamp> StampsOfScans(const Session& session);
 
-inline std::vector<StampNs> ClockStamps(const std::vector<ScanStamp>& stamps) {
-  std::vector<StampNs> clock;
-  clock.reserve(stamps.size());
-  for (const ScanStamp& stamp : stamps) clock.push_back(stamp.clock_ns);
-  return clock;
-}
+std::vector<StampNs> ClockStamps(const std::vector<ScanStamp>& stamps);
 
 }  // namespace survey

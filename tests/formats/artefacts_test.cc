@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "formats/artefact_file.h"
 #include "formats/atomic_file.h"

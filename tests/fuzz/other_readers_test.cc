@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "formats/artefact_check.h"
 #include "formats/atomic_file.h"

@@ -115,7 +115,7 @@ TEST_F(CertifyStageTest, RepeatsTheSeams) {
   const std::string seams = R"({"format": "plumbline-seams", "format_version": 2, "seams": [{"blocks": ["B1", "B2"],
       "overlap_area_m2": 80.5, "contradicted_shares": [0.01, 0.02], "rms_m": null, "patches": [{}, {}],
       "sigmas": 3.5, "contradicts": true}],
-      "provenance": )" + formats::ToJson(kProvenance).dump() +
+      "provenance": )" + formats::JsonTextOf(kProvenance) +
                             "}";
   formats::WriteFileAtomically(scratch_ / "seams.json", seams);
   const CommandResult result = Run({"--seams", "seams.json"});

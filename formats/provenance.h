@@ -49,7 +49,7 @@ struct Provenance {
 Provenance WithInputs(const Provenance& whole, std::vector<ProvenanceInput> inputs);
 
 nlohmann::json ToJson(const Provenance& provenance);
-std::string JsonTextOf(const Provenance& provenance);  // in one line
+std::string JsonTextOf(const Provenance& provenance);       // in one line
 Provenance ProvenanceFromJson(const nlohmann::json& json);  // DataError when malformed
 
 // What a file is by its first bytes. DataError when it cannot be read.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gdal_priv.h>
+
 #include <nlohmann/json.hpp>
 
 #include "formats/errors.h"

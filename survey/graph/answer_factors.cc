@@ -10,6 +10,7 @@
 #include "survey/graph/graph_covariance.h"
 #include "survey/graph/graph_residuals.h"
 #include "survey/graph/variance_components.h"
+#include "survey/stats/mahalanobis.h"
 
 namespace survey {
 namespace {
@@ -82,8 +83,7 @@ double AgainstTheRest(const PoseEdge& answer, const PoseGraph& graph, const Grap
   const auto pose = [&](int index) { return graph.poses[static_cast<std::size_t>(index)]; };
   const Eigen::Vector3d error =
       EvaluateRelativePose(pose(answer.base), pose(answer.target), answer.base_from_target).error;
-  const Eigen::Matrix3d of_residual = covariance.OfResidual(answer) + kUncontrolled * answer.covariance;
-  return error.dot(of_residual.ldlt().solve(error));
+  return SquaredMahalanobis(error, covariance.OfResidual(answer) + kUncontrolled * answer.covariance);
 }
 
 // Of all answers that observe something, in their order.

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "survey/stats/mahalanobis.h"
+
 namespace survey {
 namespace {
 
@@ -22,8 +24,7 @@ std::string Metres(double value, const char* format = "%.3f m") {
 std::string Coordinate(double value) { return Metres(value, "%.3f"); }
 
 double SquaredDistance(const PlaceByOthers& point, const Eigen::Vector2d& place) {
-  const Eigen::Vector2d difference = place - point.Place();
-  return difference.dot(point.covariance.ldlt().solve(difference));
+  return SquaredMahalanobis(place - point.Place(), point.covariance);
 }
 
 // The value with one digit wrong or two neighbouring digits exchanged that fits within three sigmas; digits down to the

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "survey/geometry/principal_axes.h"
+#include "survey/stats/mahalanobis.h"
 
 namespace survey {
 namespace {
@@ -22,8 +23,6 @@ std::vector<Index> RowsOf(const std::vector<int>& marks) {
   }
   return rows;
 }
-
-double SquaredNorm(const Eigen::Vector2d& k, const Eigen::Matrix2d& matrix) { return k.dot(matrix.inverse() * k); }
 
 }  // namespace
 
@@ -95,8 +94,8 @@ ControlTests::Exchange ControlTests::IfExchanged(int a, int b) const {
   Exchange exchange;
   exchange.chi_square = chi_square() + 2.0 * change.dot(weighted_.segment<2>(row_a) - weighted_.segment<2>(row_b)) +
                         change.dot((aa - ab - ab.transpose() + bb) * change);
-  exchange.t_a = SquaredNorm(k_a, aa);
-  exchange.t_b = SquaredNorm(k_b, bb);
+  exchange.t_a = SquaredMahalanobis(k_a, aa);
+  exchange.t_b = SquaredMahalanobis(k_b, bb);
   return exchange;
 }
 

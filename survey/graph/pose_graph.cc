@@ -9,6 +9,7 @@
 
 #include "survey/graph/chordal_start.h"
 #include "survey/graph/graph_residuals.h"
+#include "survey/stats/mahalanobis.h"
 
 namespace survey {
 namespace {
@@ -218,7 +219,7 @@ int DegreesOfFreedom(const PoseGraph& graph) {
 double SquaredNormalisedResidual(const PoseEdge& edge, const std::vector<Pose2>& poses) {
   const RelativePoseResidual r = EvaluateRelativePose(
       poses[static_cast<std::size_t>(edge.base)], poses[static_cast<std::size_t>(edge.target)], edge.base_from_target);
-  return r.error.dot(edge.covariance.llt().solve(r.error));
+  return SquaredMahalanobis(r.error, edge.covariance);
 }
 
 }  // namespace survey

@@ -13,6 +13,7 @@
 #include "survey/graph/graph_residuals.h"
 #include "survey/graph/loop_consistency.h"
 #include "survey/graph/variance_components.h"
+#include "survey/stats/mahalanobis.h"
 
 namespace survey {
 namespace {
@@ -188,7 +189,7 @@ class Site {
       const PoseEdge edge = EdgeOf(pairs_[p], match);
       const Eigen::Matrix3d expected = ExpectedCovariance(edge, covariance);
       const Eigen::Vector3d error = ErrorOf(edge);
-      if (error.dot(expected.llt().solve(error)) > kChiSquare3) continue;
+      if (SquaredMahalanobis(error, expected) > kChiSquare3) continue;
       variance += expected.topLeftCorner<2, 2>().trace();
       ++count[edge.base];
       matches_.push_back({p, edge, error.head<2>().norm()});

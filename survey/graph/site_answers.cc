@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "survey/graph/graph_residuals.h"
+#include "survey/stats/mahalanobis.h"
 
 namespace survey {
 namespace {
@@ -47,7 +48,7 @@ AnswerTest AgainstControl(const Answer& answer, const PoseEdge& edge, double way
   Eigen::Matrix3d sum = edge.covariance + covariance.OfPose(edge.target);
   const Eigen::Vector3d drift = way * Eigen::Vector3d(kDrift_m_per_m, kDrift_m_per_m, kDrift_rad_per_m);
   sum.diagonal() += drift.cwiseAbs2();
-  return JudgeAnswer(answer, r.error.dot(sum.llt().solve(r.error)), 3);
+  return JudgeAnswer(answer, SquaredMahalanobis(r.error, sum), 3);
 }
 
 }  // namespace

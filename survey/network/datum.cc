@@ -161,8 +161,9 @@ DatumTransformation::DatumTransformation(const Datum& datum) : basis_(datum.basi
     if (!datum.defines[static_cast<std::size_t>(k)]) selector_.row(k).setZero();
   }
   if (basis_.cols() == 0) return;
-  const Eigen::MatrixXd common = selector_.transpose() * basis_;
-  selector_ = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(common).solve(selector_.transpose()).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> common(selector_.transpose() * basis_);
+  const Eigen::MatrixXd& axes = common.eigenvectors();
+  selector_ = selector_ * (axes * common.eigenvalues().cwiseInverse().asDiagonal() * axes.transpose());
 }
 
 Eigen::VectorXd DatumTransformation::operator()(const Eigen::VectorXd& x) const {

@@ -32,11 +32,12 @@ DenseSolution SolveDense(const LinearSystem& system, const std::vector<bool>& de
     for (Eigen::Index k = 0; k < null.rows(); ++k) {
       if (!defines[static_cast<std::size_t>(k)]) defining.row(k).setZero();
     }
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(defining);
-    if (qr.rank() < solution.defect) return solution;
+    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> of_defining(defining);
+    if (of_defining.rank() < solution.defect) return solution;
     // Least squares of the defining coordinates' shifts over the null space.
-    total -= null * qr.solve(total);
-    root -= null * qr.solve(root);
+    const Eigen::MatrixXd shifts = null * of_defining.pseudoInverse();
+    total -= shifts * total;
+    root -= shifts * root;
   }
   solution.correction = total - shift_so_far;
   solution.cofactors = root * root.transpose();

@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "survey/stats/mahalanobis.h"
+
 namespace survey {
 
 double ScanLogLikelihood(const SurfaceMap& map, std::span<const SurfacePoint> points_in_scan,
@@ -40,7 +42,7 @@ Proposal ProposePose(const ParticleMap& map, std::span<const SurfacePoint> point
     proposal.covariance = match.covariance;
     const Eigen::Vector3d d(match.map_from_scan.x - predicted.x, match.map_from_scan.y - predicted.y,
                             NormalizeAngle(match.map_from_scan.theta - predicted.theta));
-    proposal.log_weight = -0.5 * d.dot(prediction_covariance.llt().solve(d)) +
+    proposal.log_weight = -0.5 * SquaredMahalanobis(d, prediction_covariance) +
                           0.5 * std::log(match.covariance.determinant() / prediction_covariance.determinant());
   }
   proposal.log_weight += ScanLogLikelihood(map.fine, points_in_scan, proposal.mean, options);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "survey/sensors/scan_points.h"
+#include "survey/stats/mahalanobis.h"
 #include "survey/submaps/marks.h"
 #include "survey/submaps/rendering.h"
 #include "survey/submaps/unmatched.h"
@@ -27,7 +28,7 @@ struct ActiveSubmap {
 Eigen::Matrix3d WidenedToHold(const Pose2& pose, const Pose2& predicted, const Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d offset(pose.x - predicted.x, pose.y - predicted.y,
                                NormalizeAngle(pose.theta - predicted.theta));
-  const double squared_sigmas = offset.dot(covariance.llt().solve(offset)) / 3.0;
+  const double squared_sigmas = SquaredMahalanobis(offset, covariance) / 3.0;
   return covariance * std::max(1.0, squared_sigmas);
 }
 

@@ -11,6 +11,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -38,7 +39,7 @@ class AnswerReader {
 
   Answer Read() {
     try {
-      document_ = json::parse(ReadWholeFile(file_));
+      document_ = ParsedJson(ReadWholeFile(file_));
     } catch (const json::exception& error) {
       Fail(std::string("is not JSON: ") + error.what());
     }
@@ -59,7 +60,7 @@ class AnswerReader {
  private:
   [[noreturn]] void Fail(const std::string& rule) const { throw DataError(file_.string() + ": " + rule); }
   [[noreturn]] void FailAt(const std::string& key, const json& value, const std::string& rule) const {
-    Fail(key + " = " + value.dump().substr(0, 80) + ": " + rule);
+    Fail(key + " = " + JsonText(value).substr(0, 80) + ": " + rule);
   }
 
   const json& Get(const char* key) const {

@@ -10,6 +10,7 @@
 
 #include "formats/digest.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -306,7 +307,7 @@ ArtefactWriter::ArtefactWriter(const std::filesystem::path& file, ArtefactKind k
     for (nlohmann::json& record : ToJson(provenance)) {
       const std::string id = record.at("id");
       record.erase("id");
-      row(position++, id, record.at("stage").get<std::string>(), record.dump());
+      row(position++, id, record.at("stage").get<std::string>(), JsonText(record));
     }
   });
 }
@@ -340,7 +341,7 @@ Provenance ArtefactReader::ReadProvenance() {
     std::string id, stage, record;
     row(position, id, stage, record);
     row.Require(position == row.row(), "positions must count from 0");
-    nlohmann::json json = nlohmann::json::parse(record, nullptr, false);
+    nlohmann::json json = JsonOrDiscarded(record);
     row.Require(json.is_object(), "the record is not JSON");
     json["id"] = id;
     records.push_back(std::move(json));

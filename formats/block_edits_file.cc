@@ -8,6 +8,7 @@
 #include "formats/atomic_file.h"
 #include "formats/edit_json.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -71,7 +72,7 @@ EditFinding FindingFromJson(const json& object, const std::string& where) {
     if (object.at("kind") != Name(kind)) continue;
     return {kind, object.at("uids").get<std::vector<std::string>>(), object.at("message").get<std::string>()};
   }
-  throw DataError(where + ": findings: kind = " + object.at("kind").dump() + ": is not known");
+  throw DataError(where + ": findings: kind = " + JsonText(object.at("kind")) + ": is not known");
 }
 
 }  // namespace
@@ -86,11 +87,11 @@ void WriteBlockEdits(const std::filesystem::path& file, const BlockEdits& edits,
                    {"provenance", ToJson(provenance)}};
   for (const AppliedEdit& applied : edits.edits) document["edits"].push_back(AppliedToJson(applied));
   for (const EditFinding& finding : edits.findings) document["findings"].push_back(FindingToJson(finding));
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 BlockEdits ReadBlockEdits(const std::filesystem::path& file) {
-  const json document = json::parse(ReadWholeFile(file), nullptr, false);
+  const json document = JsonOrDiscarded(ReadWholeFile(file));
   const bool known = document.is_object() && document.value("format", json()) == kFormat &&
                      document.value("format_version", json()) == kFormatVersion;
   if (!known) throw DataError(file.string() + ": is not an edits.json of this version (or was cut off)");
@@ -108,7 +109,7 @@ BlockEdits ReadBlockEdits(const std::filesystem::path& file) {
 
 std::string CanonicalText(const std::string& block, const std::vector<MapEdit>& edits) {
   std::string text;
-  for (const MapEdit& edit : edits) text += ToJson(Reduced(edit, block)).dump() + "\n";
+  for (const MapEdit& edit : edits) text += JsonText(ToJson(Reduced(edit, block))) + "\n";
   return text;
 }
 

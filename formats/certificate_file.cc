@@ -6,6 +6,7 @@
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/joint_json.h"
+#include "formats/json_text.h"
 #include "formats/json_values.h"
 
 // The members of the value types under their own names.
@@ -102,11 +103,11 @@ void WriteCertificate(const std::filesystem::path& file, const survey::Certifica
   document["format"] = kFormat;
   document["format_version"] = kVersion;
   document["provenance"] = ToJson(provenance);
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 survey::Certificate ReadCertificate(const std::filesystem::path& file, Provenance* provenance) {
-  const json document = json::parse(ReadWholeFile(file), nullptr, false);
+  const json document = JsonOrDiscarded(ReadWholeFile(file));
   if (!document.is_object() || document.value("format", "") != kFormat) {
     throw DataError(file.string() + ": is not a certificate (or was cut off)");
   }

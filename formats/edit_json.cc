@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "survey/edits/map_arrow.h"
 
 namespace formats {
@@ -55,7 +56,7 @@ class EditReader {
  private:
   [[noreturn]] void Fail(const std::string& rule) const { throw DataError(where_ + ": " + rule); }
   [[noreturn]] void FailAt(const std::string& key, const json& value, const std::string& rule) const {
-    Fail(key + " = " + value.dump().substr(0, 80) + ": " + rule);
+    Fail(key + " = " + JsonText(value).substr(0, 80) + ": " + rule);
   }
 
   bool Has(const char* key) const { return object_.contains(key) && !object_[key].is_null(); }
@@ -146,7 +147,7 @@ class EditReader {
       }
     } else {
       const std::string wanted = area ? "Polygon" : "LineString";
-      Fail("geometry " + (type.is_string() ? type.get<std::string>() : geometry.dump().substr(0, 40)) + ": " +
+      Fail("geometry " + (type.is_string() ? type.get<std::string>() : JsonText(geometry).substr(0, 40)) + ": " +
            std::string(Name(edit->kind)) + " needs a " + wanted + (single ? "" : " or Multi" + wanted));
     }
     if (edit->parts.empty()) Fail("geometry: has no coordinates");
@@ -165,7 +166,7 @@ class EditReader {
 
   Eigen::Vector2d ReadPoint(const json& point) const {
     const bool pair = point.is_array() && point.size() >= 2 && point[0].is_number() && point[1].is_number();
-    if (!pair) Fail("coordinate " + point.dump().substr(0, 60) + ": expected [easting, northing]");
+    if (!pair) Fail("coordinate " + JsonText(point).substr(0, 60) + ": expected [easting, northing]");
     return {point[0].get<double>(), point[1].get<double>()};
   }
 

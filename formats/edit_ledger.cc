@@ -12,6 +12,7 @@
 #include "formats/edit_json.h"
 #include "formats/errors.h"
 #include "formats/file_lock.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -84,7 +85,7 @@ LedgerOperation ReadOperation(const json& object, const std::string& where) {
   for (const LedgerOperation operation : kOperations) {
     if (value == Name(operation)) return operation;
   }
-  throw DataError(where + ": op = " + value.dump().substr(0, 40) + ": must be add, modify or retire");
+  throw DataError(where + ": op = " + JsonText(value).substr(0, 40) + ": must be add, modify or retire");
 }
 
 MapEdit ReadRetirement(const json& object, const std::string& where) {
@@ -93,7 +94,7 @@ MapEdit ReadRetirement(const json& object, const std::string& where) {
     if (std::find(kOfRetirement.begin(), kOfRetirement.end(), key) == kOfRetirement.end())
       throw DataError(where + ": unknown member \"" + key + "\" of a retirement");
     if (key == "rev" ? !value.is_number_integer() : !value.is_string())
-      throw DataError(where + ": " + key + " = " + value.dump().substr(0, 40) + ": expected " +
+      throw DataError(where + ": " + key + " = " + JsonText(value).substr(0, 40) + ": expected " +
                       (key == "rev" ? "a number" : "a text"));
   }
   edit.uid = object.value("uid", "");
@@ -108,13 +109,13 @@ MapEdit ReadRetirement(const json& object, const std::string& where) {
 LedgerLine ReadLine(const std::string& text, const std::string& head, const std::string& where) {
   json object;
   try {
-    object = json::parse(text);
+    object = ParsedJson(text);
   } catch (const json::exception&) {
     throw DataError(where + ": is not JSON; the file was cut off or written by hand?");
   }
   if (!object.is_object()) throw DataError(where + ": expected an object");
   if (object.value("prev", json()) != head)
-    throw DataError(where + ": prev = " + object.value("prev", json()).dump() +
+    throw DataError(where + ": prev = " + JsonText(object.value("prev", json())) +
                     ": the chain is broken, the line before has the SHA-256 " + head +
                     "; a line was changed, removed or put in between: bring back the file as it was");
   object.erase("prev");
@@ -184,11 +185,11 @@ std::optional<std::string> AppendToLedger(const fs::path& file, std::vector<Ledg
   if (expected_head && *expected_head != head) return std::nullopt;
   for (LedgerLine& line : lines) {
     if (line.operation == LedgerOperation::kAdd && line.edit.uid.empty())
-      line.edit.uid = Sha256(head + LineToJson(line).dump()).substr(0, 12);
+      line.edit.uid = Sha256(head + JsonText(LineToJson(line))).substr(0, 12);
     if (line.edit.revision == 1) line.edit.revision = checked.rules.NextRevision(line.edit.uid);
     json object = LineToJson(line);
     object["prev"] = head;
-    const std::string text = object.dump();
+    const std::string text = JsonText(object);
     const std::string where = file.string() + ": line to append";
     checked.rules.Take(ReadLine(text, head, where), where);
     checked.text += text + "\n";

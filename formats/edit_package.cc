@@ -14,6 +14,7 @@
 #include "formats/edit_json.h"
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
+#include "formats/json_text.h"
 #include "formats/vector_files.h"
 
 namespace formats {
@@ -72,10 +73,10 @@ VectorLayer LayerOf(const char* name, bool area, const std::vector<MapEdit>& edi
 // What was checked out, to compare with: a row per edit, and the maps they lie on.
 VectorLayer Checkout(const std::vector<MapEdit>& edits, const std::map<std::string, std::string>& basis) {
   VectorLayer table{.name = kCheckout, .shape = VectorShape::kTable, .fields = {{"uid", true}, {"content", true}}};
-  table.features.push_back({.vertices = {}, .values = {std::string(kBasisRow), json(basis).dump()}, .holes = {}});
+  table.features.push_back({.vertices = {}, .values = {std::string(kBasisRow), JsonText(json(basis))}, .holes = {}});
   for (const MapEdit& edit : edits) {
     if (IsDrawable(edit))
-      table.features.push_back({.vertices = {}, .values = {edit.uid, ToJson(Visible(edit)).dump()}, .holes = {}});
+      table.features.push_back({.vertices = {}, .values = {edit.uid, JsonText(ToJson(Visible(edit)))}, .holes = {}});
   }
   return table;
 }
@@ -94,7 +95,7 @@ json MembersOf(OGRFeature* row) {
   }
   if (const OGRGeometry* geometry = row->GetGeometryRef()) {
     char* text = geometry->exportToJson();
-    members["geometry"] = json::parse(text, nullptr, false);
+    members["geometry"] = JsonOrDiscarded(text);
     CPLFree(text);
   }
   return members;
@@ -122,7 +123,7 @@ CheckedOut ReadCheckout(GDALDataset* data, const fs::path& file) {
   CheckedOut checkout;
   for (const auto& [where, row] : ReadRows(data, file, kCheckout)) {
     try {
-      const json content = json::parse(row.at("content").get<std::string>());
+      const json content = ParsedJson(row.at("content").get<std::string>());
       if (row.at("uid") == kBasisRow) {
         checkout.basis = content.get<std::map<std::string, std::string>>();
       } else {
@@ -153,7 +154,7 @@ void AddChange(MapEdit edit, const CheckedOut& checkout, std::vector<LedgerLine>
   const auto then = checkout.edits.find(edit.uid);
   if (then == checkout.edits.end()) {
     // So that the same feature is not taken twice.
-    if (edit.uid.empty()) edit.uid = Sha256(ToJson(Visible(edit)).dump()).substr(0, 12);
+    if (edit.uid.empty()) edit.uid = Sha256(JsonText(ToJson(Visible(edit)))).substr(0, 12);
     lines->push_back({LedgerOperation::kAdd, std::move(edit)});
   } else if (!IsUnchanged(Visible(edit), then->second)) {
     edit.revision = then->second.revision + 1;

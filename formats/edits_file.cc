@@ -6,6 +6,7 @@
 #include "formats/atomic_file.h"
 #include "formats/edit_json.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -34,7 +35,7 @@ void RequireSiteCrs(const std::filesystem::path& file, const json& document, con
   const json& crs = document["crs"];
   const json properties = crs.is_object() ? crs.value("properties", json()) : json();
   const json named = properties.is_object() ? properties.value("name", json()) : json();
-  const std::string name = named.is_string() ? named.get<std::string>() : crs.dump();
+  const std::string name = named.is_string() ? named.get<std::string>() : JsonText(crs);
   if (EpsgOf(name) == site_crs) return;
   throw DataError(file.string() + ": crs = " + name + ": edits must be in the site's coordinate system" +
                   (site_crs.empty() ? "" : " " + site_crs));
@@ -45,7 +46,7 @@ void RequireSiteCrs(const std::filesystem::path& file, const json& document, con
 std::vector<MapEdit> ReadEdits(const std::filesystem::path& file, const std::string& site_crs) {
   json document;
   try {
-    document = json::parse(ReadWholeFile(file));
+    document = ParsedJson(ReadWholeFile(file));
   } catch (const json::exception& error) {
     throw DataError(file.string() + ": is not JSON: " + error.what());
   }

@@ -5,6 +5,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -43,12 +44,12 @@ void WriteList(const std::filesystem::path& file, const char* name, json list, c
                          {"format_version", kFormatVersion},
                          {name, std::move(list)},
                          {"provenance", ToJson(provenance)}};
-  WriteFileAtomically(file, document.dump() + "\n");
+  WriteFileAtomically(file, JsonText(document) + "\n");
 }
 
 template <typename Item, typename FromJson>
 std::vector<Item> ReadList(const std::filesystem::path& file, const char* name, const FromJson& from_json) {
-  const json document = json::parse(ReadWholeFile(file), nullptr, false);
+  const json document = JsonOrDiscarded(ReadWholeFile(file));
   const bool known = document.is_object() && document.value("format", json()) == std::string("plumbline-") + name &&
                      document.value("format_version", json()) == kFormatVersion;
   if (!known) throw DataError(file.string() + ": does not list " + name + " in this version (or was cut off)");
@@ -87,8 +88,8 @@ std::vector<MapArrow> ReadArrows(const std::filesystem::path& file) {
   });
 }
 
-std::string CanonicalText(const std::vector<MaskedBeams>& beams) { return BeamsToJson(beams).dump(); }
+std::string CanonicalText(const std::vector<MaskedBeams>& beams) { return JsonText(BeamsToJson(beams)); }
 
-std::string CanonicalText(const std::vector<MapArrow>& arrows) { return ArrowsToJson(arrows).dump(); }
+std::string CanonicalText(const std::vector<MapArrow>& arrows) { return JsonText(ArrowsToJson(arrows)); }
 
 }  // namespace formats

@@ -4,6 +4,7 @@
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/joint_json.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -20,11 +21,11 @@ void WriteJoint(const std::filesystem::path& file, const survey::JointSummary& s
   document["format"] = kFormat;
   document["format_version"] = kVersion;
   document["provenance"] = ToJson(provenance);
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 survey::JointSummary ReadJoint(const std::filesystem::path& file) {
-  const json document = json::parse(ReadWholeFile(file), nullptr, false);
+  const json document = JsonOrDiscarded(ReadWholeFile(file));
   try {
     if (!document.is_object() || document.at("format") != kFormat || document.at("format_version") != kVersion)
       throw DataError(file.string() + ": is not a joint.json of this version (or was cut off)");

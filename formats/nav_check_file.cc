@@ -7,6 +7,7 @@
 #include "formats/atomic_file.h"
 #include "formats/csv.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "survey/planning/robot_path.h"
 
 namespace formats {
@@ -58,7 +59,7 @@ void WriteNavChecks(const std::filesystem::path& file, const NavGoal& start, con
                                  {"before", ResultToJson(check.before)},
                                  {"after", ResultToJson(check.after)}});
   }
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 void WriteNavLayer(const std::filesystem::path& file, const std::vector<NavCheck>& checks, const std::string& crs) {
@@ -70,7 +71,7 @@ void WriteNavLayer(const std::filesystem::path& file, const std::vector<NavCheck
       if (result->path.size() > 1) document["features"].push_back(LineFeature(check, map, *result));
     }
   }
-  WriteFileAtomically(file, document.dump() + "\n");
+  WriteFileAtomically(file, JsonText(document) + "\n");
 }
 
 }  // namespace formats

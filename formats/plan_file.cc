@@ -7,6 +7,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/html.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -142,7 +143,7 @@ void WritePlan(const std::filesystem::path& file, const PlanReport& report, cons
                          {"points", std::move(points)},
                          {"path", std::move(path)},
                          {"provenance", ToJson(provenance)}};
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 void WritePlanPicture(const std::filesystem::path& file, const PlanReport& report) {

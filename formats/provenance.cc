@@ -3,9 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "formats/atomic_file.h"
 #include "formats/digest.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -24,7 +24,7 @@ nlohmann::json RecordToJson(const ProvenanceRecord& record) {
 
 }  // namespace
 
-std::string ProvenanceRecord::Id() const { return Sha256(RecordToJson(*this).dump()); }
+std::string ProvenanceRecord::Id() const { return Sha256(JsonText(RecordToJson(*this))); }
 
 Provenance WithInputs(const Provenance& whole, std::vector<ProvenanceInput> inputs) {
   std::map<std::string, const ProvenanceRecord*> known;
@@ -55,7 +55,7 @@ nlohmann::json ToJson(const Provenance& provenance) {
   return records;
 }
 
-std::string JsonTextOf(const Provenance& provenance) { return ToJson(provenance).dump(); }
+std::string JsonTextOf(const Provenance& provenance) { return JsonText(ToJson(provenance)); }
 
 Provenance ProvenanceFromJson(const nlohmann::json& json) {
   try {

@@ -5,6 +5,7 @@
 #include "formats/artefact_file.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "formats/provenance.h"
 
 namespace formats {
@@ -33,7 +34,7 @@ std::optional<Provenance> OfGeoTiff(const std::filesystem::path& file) {
 std::optional<Provenance> OfJson(const std::filesystem::path& file) {
   std::string text = ReadWholeFile(file);
   if (file.extension() == ".jsonl") text.resize(text.find('\n') == std::string::npos ? 0 : text.find('\n'));
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  const nlohmann::json json = JsonOrDiscarded(text);
   if (json.is_discarded()) throw DataError(file.string() + ": not valid JSON (truncated?)");
   if (!json.contains("provenance")) return std::nullopt;
   return ProvenanceFromJson(json.at("provenance"));

@@ -5,6 +5,7 @@
 
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
+#include "formats/json_text.h"
 #include "formats/provenance.h"
 
 namespace formats {
@@ -17,7 +18,7 @@ std::optional<Provenance> ProvenanceOfGeoTiff(const std::filesystem::path& file)
   if (!data) session.Throw(file, "cannot be read as GeoTIFF");
   const char* text = data->GetMetadataItem("PLUMBLINE_PROVENANCE");
   if (text == nullptr) return std::nullopt;
-  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  const nlohmann::json json = JsonOrDiscarded(text);
   if (json.is_discarded()) throw DataError(file.string() + ": damaged: the provenance is not JSON");
   return ProvenanceFromJson(json);
 }

@@ -7,6 +7,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/html.h"
+#include "formats/json_text.h"
 #include "formats/text_numbers.h"
 
 namespace formats {
@@ -43,7 +44,7 @@ void WriteReferenceReport(const std::filesystem::path& file, const survey::Targe
                          {"scale_sigma_ppm", std::round(fit.scale_sigma * 1e7) / 10.0 + 0.0},
                          {"features_not_found", std::move(missing)},
                          {"provenance", ToJson(provenance)}};
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 void WriteSlice(const std::filesystem::path& file, const std::vector<Eigen::Vector2d>& points) {

@@ -7,6 +7,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 namespace {
@@ -134,22 +135,22 @@ void WriteRequests(const std::filesystem::path& file, const RequestList& list, c
                      {"num_requests", list.requests.size()},
                      {"blocks", std::move(blocks)},
                      {"provenance", ToJson(provenance)}};
-  std::string text = head.dump() + "\n";
+  std::string text = JsonText(head) + "\n";
   int rank = 0;
-  for (const ListedRequest& request : list.requests) text += ToJson(request, ++rank).dump() + "\n";
+  for (const ListedRequest& request : list.requests) text += JsonText(ToJson(request, ++rank)) + "\n";
   WriteFileAtomically(file, text);
 }
 
 std::vector<ListedBlock> ReadReviewedBlocks(const std::filesystem::path& file) {
   const std::string text = ReadWholeFile(file);
-  const json head = json::parse(text.substr(0, text.find('\n')), nullptr, false);
+  const json head = JsonOrDiscarded(text.substr(0, text.find('\n')));
   if (!head.is_object() || head.value("format", "") != kFormat || head.value("format_version", 0) != kVersion)
     throw DataError(file.string() + ": is not a list of requests of this version (or was cut off)");
   try {
     const auto lines = std::count(text.begin(), text.end(), '\n');
     if (lines != head.at("num_requests").get<std::ptrdiff_t>() + 1)
       throw DataError(file.string() + ": was cut off: " + std::to_string(lines - 1) + " of " +
-                      head.at("num_requests").dump() + " requests");
+                      JsonText(head.at("num_requests")) + " requests");
     std::vector<ListedBlock> blocks;
     for (const json& block : head.at("blocks")) blocks.push_back(BlockFromJson(block));
     return blocks;

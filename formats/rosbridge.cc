@@ -10,6 +10,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "formats/line_reader.h"
 
 namespace formats {
@@ -79,12 +80,12 @@ void WriteCells(const survey::RasterStrips& grid, std::ostream& out) {
 
 void WriteTopic(const RosTopic& topic, RosVersion version, std::ostream& out) {
   const char* type = version == RosVersion::kRos1 ? "nav_msgs/OccupancyGrid" : "nav_msgs/msg/OccupancyGrid";
-  out << json{{"op", "advertise"}, {"topic", topic.name}, {"type", type}}.dump() << "\n";
-  std::string message = MessageWithoutData(topic.grid.frame, version).dump();
+  out << JsonText(json{{"op", "advertise"}, {"topic", topic.name}, {"type", type}}) << "\n";
+  std::string message = JsonText(MessageWithoutData(topic.grid.frame, version));
   message.pop_back();
   out << R"({"msg":)" << message << R"(,"data":[)";
   WriteCells(topic.grid, out);
-  out << R"(]},"op":"publish","topic":)" << json(topic.name).dump() << "}\n";
+  out << R"(]},"op":"publish","topic":)" << JsonText(json(topic.name)) << "}\n";
 }
 
 RosGrid GridOf(const json& message, const std::string& where) {
@@ -211,7 +212,7 @@ RosbridgeReply ReadRosbridge(const std::filesystem::path& file) {
   for (std::string_view text; lines.Next(&text);) {
     if (text.empty()) continue;
     const std::string where = file.string() + ":" + std::to_string(lines.line_number());
-    const json message = json::parse(text, nullptr, false);
+    const json message = JsonOrDiscarded(text);
     if (!message.is_object()) throw DataError(where + ": is not a message of rosbridge (JSON object)");
     if (message.value("op", json()) != "publish") continue;
     const json topic = message.value("topic", json());

@@ -6,13 +6,14 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 
 namespace formats {
 
 using nlohmann::json;
 
 std::vector<survey::SeamSummary> ReadSeamSummaries(const std::filesystem::path& file) {
-  const json document = json::parse(ReadWholeFile(file), nullptr, false);
+  const json document = JsonOrDiscarded(ReadWholeFile(file));
   try {
     if (!document.is_object() || document.at("format") != "plumbline-seams" || document.at("format_version") != 2) {
       throw DataError(file.string() + ": is not a seams.json of this version (or was cut off)");

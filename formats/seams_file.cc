@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "formats/atomic_file.h"
+#include "formats/json_text.h"
 #include "formats/raster_crs.h"
 
 namespace formats {
@@ -81,7 +81,7 @@ void WriteSeams(const std::filesystem::path& file, const SeamsReport& report, co
                          {"blocks", std::move(blocks)},
                          {"seams", std::move(seams)},
                          {"provenance", ToJson(provenance)}};
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 void WriteSeamsLayer(const std::filesystem::path& file, const SeamsReport& report) {
@@ -95,7 +95,7 @@ void WriteSeamsLayer(const std::filesystem::path& file, const SeamsReport& repor
   if (crs.starts_with("EPSG:")) {
     document["crs"] = {{"type", "name"}, {"properties", {{"name", "urn:ogc:def:crs:EPSG::" + crs.substr(5)}}}};
   }
-  WriteFileAtomically(file, document.dump(1) + "\n");
+  WriteJson(file, document);
 }
 
 }  // namespace formats

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/artefacts.h"
-#include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "formats/raster_file.h"
 #include "pipeline/site_layout.h"
 #include "survey/grid/mosaic.h"
@@ -74,8 +74,7 @@ void RecordPoses(const fs::path& site, const std::vector<formats::RosPose>& pose
     if (fs::exists(files.back())) throw DataError(files.back().string() + ": this scan was answered before");
     if (!(pose.sigma.minCoeff() > 0.0)) throw DataError(where + ": stamp " + stamp + " ns: sigmas must be positive");
   }
-  for (std::size_t i = 0; i < poses.size(); ++i)
-    formats::WriteFileAtomically(files[i], AnswerOf(poses[i], who).dump(1) + "\n");
+  for (std::size_t i = 0; i < poses.size(); ++i) formats::WriteJson(files[i], AnswerOf(poses[i], who));
 }
 
 }  // namespace pipeline

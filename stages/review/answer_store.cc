@@ -12,6 +12,7 @@
 #include "formats/atomic_file.h"
 #include "formats/digest.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "pipeline/site_layout.h"
 #include "stages/review/text.h"
 
@@ -48,7 +49,7 @@ void StampsToIntegers(json* value) {
   if (!value->is_structured()) return;
   for (const auto& item : value->items()) {
     if (IsStampKey(item.key()) && item.value().is_string() && IsStamp(item.value().get<std::string>())) {
-      item.value() = json::parse(item.value().get<std::string>());
+      item.value() = formats::ParsedJson(item.value().get<std::string>());
     } else {
       StampsToIntegers(&item.value());
     }
@@ -81,7 +82,7 @@ json AnswerStore::All() const {
     all[block] = json::object();
     for (const fs::path& file : FilesIn(site_ / "blocks" / block / "answers")) {
       const std::string bytes = formats::ReadWholeFile(file);
-      json answer = json::parse(bytes, nullptr, false);  // `track` tells what is wrong with one that is no JSON
+      json answer = formats::JsonOrDiscarded(bytes);  // `track` tells what is wrong with one that is no JSON
       StampsToTexts(&answer);
       if (!StampOf(answer).empty()) all[block][StampOf(answer)] = {{"tag", TagOf(bytes)}, {"answer", answer}};
     }
@@ -98,7 +99,7 @@ AnswerStore::Entry AnswerStore::Find(const std::string& block, const std::string
   const fs::path folder = site_ / "blocks" / block / "answers";
   for (const fs::path& file : FilesIn(folder)) {
     const std::string bytes = formats::ReadWholeFile(file);
-    json answer = json::parse(bytes, nullptr, false);
+    json answer = formats::JsonOrDiscarded(bytes);
     StampsToTexts(&answer);
     if (StampOf(answer) == stamp) return {file, TagOf(bytes)};
   }

@@ -10,6 +10,7 @@
 #include "formats/edit_json.h"
 #include "formats/edit_ledger.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "pipeline/site_edits.h"
 #include "pipeline/site_layout.h"
 
@@ -26,7 +27,7 @@ LedgerOperation OperationOf(const json& object) {
   for (const LedgerOperation operation : {LedgerOperation::kAdd, LedgerOperation::kModify, LedgerOperation::kRetire}) {
     if (name == Name(operation)) return operation;
   }
-  throw formats::DataError("op = " + name.dump() + ": must be add, modify or retire");
+  throw formats::DataError("op = " + formats::JsonText(name) + ": must be add, modify or retire");
 }
 
 // A retirement has no geometry, so it is no edit to the reader of edits.

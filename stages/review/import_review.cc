@@ -5,6 +5,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "stages/review/answer_store.h"
 #include "stages/review/edit_store.h"
 
@@ -17,7 +18,7 @@ using nlohmann::json;
 json ReadSaved(const fs::path& file) {
   json saved;
   try {
-    saved = json::parse(formats::ReadWholeFile(file));
+    saved = formats::ParsedJson(formats::ReadWholeFile(file));
   } catch (const json::parse_error& error) {
     throw formats::DataError(file.string() + ": is not JSON: " + error.what());
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "stages/review/answer_store.h"
 #include "stages/review/edit_store.h"
 #include "stages/review/guard.h"
@@ -33,7 +34,7 @@ constexpr const char* kJson = "application/json";
 
 void Refuse(Response& response, int status, const std::string& message) {
   response.status = status;
-  response.set_content(json{{"error", message}}.dump(), kJson);
+  response.set_content(formats::JsonText(json{{"error", message}}), kJson);
 }
 
 std::string MessageOf(int status) {
@@ -52,7 +53,7 @@ void SendUncompressed(Response& response, std::shared_ptr<const std::string> byt
 
 void Send(Response& response, const json& document) {
   response.set_header("Cache-Control", "no-store");
-  SendUncompressed(response, std::make_shared<std::string>(document.dump()), kJson);
+  SendUncompressed(response, std::make_shared<std::string>(formats::JsonText(document)), kJson);
 }
 
 std::string Quoted(const std::string& tag) { return "\"" + tag + "\""; }
@@ -142,13 +143,13 @@ void Server::Impl::SetRoutes() {
            Guarded([this](const Request& request, Response& response) { SendTile(request, response); }));
   const char* const answer = R"(/api/answers/([A-Za-z0-9_-]+)/(-?\d{1,19}))";
   http.Put(answer, Writing([this](const Request& request, const std::string& seen) {
-             return answers.Put(request.matches[1], request.matches[2], json::parse(request.body), seen);
+             return answers.Put(request.matches[1], request.matches[2], formats::ParsedJson(request.body), seen);
            }));
   http.Delete(answer, Writing([this](const Request& request, const std::string& seen) {
                 return answers.Remove(request.matches[1], request.matches[2], seen);
               }));
   http.Post("/api/edits", Writing([this](const Request& request, const std::string& seen) {
-              return edits.Append(json::parse(request.body), seen);
+              return edits.Append(formats::ParsedJson(request.body), seen);
             }));
 }
 

@@ -8,6 +8,7 @@
 #include "formats/artefacts.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "pipeline/site_edits.h"
 #include "pipeline/site_layout.h"
 
@@ -19,7 +20,7 @@ using nlohmann::json;
 
 json Parsed(const fs::path& file, const std::string& text) {
   try {
-    return json::parse(text);
+    return formats::ParsedJson(text);
   } catch (const json::parse_error& error) {
     throw formats::DataError(file.string() + ": is not JSON: " + error.what());
   }

@@ -7,6 +7,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/json_text.h"
 #include "stages/review/answer_store.h"
 #include "stages/review/edit_store.h"
 #include "stages/review/site_documents.h"
@@ -50,7 +51,7 @@ std::string DataScript(const fs::path& site, const json& description) {
   const json data = {
       {"site", description},          {"requests", RequestsDocument(site)}, {"control", ControlDocument(site)},
       {"seams", SeamsDocument(site)}, {"answers", AnswerStore(site).All()}, {"edits", EditStore(site).All()}};
-  return "window.PLUMBLINE = " + ReplacedAll(data.dump(), "</", "<\\/") + ";\n";
+  return "window.PLUMBLINE = " + ReplacedAll(formats::JsonText(data), "</", "<\\/") + ";\n";
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "formats/digest.h"
 #include "formats/errors.h"
 #include "formats/html.h"
+#include "formats/json_text.h"
 #include "stages/review/text.h"
 
 namespace review {
@@ -46,7 +47,7 @@ std::string WebFiles::ImportsOf(bool inlined) const {
     if (!path.ends_with(".js") || !(ours || (!inlined && !path.starts_with("vendor/ol/")))) continue;
     imports[path] = inlined ? "data:text/javascript;base64," + formats::Base64(text) : "/" + path;
   }
-  return nlohmann::json{{"imports", imports}}.dump();
+  return formats::JsonText(nlohmann::json{{"imports", imports}});
 }
 
 std::string WebFiles::Page(const std::string& path, const std::string& nonce, bool inlined) const {

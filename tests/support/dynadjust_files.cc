@@ -4,14 +4,15 @@
 #include <Eigen/Dense>
 #include <GeographicLib/Geocentric.hpp>
 #include <GeographicLib/NormalGravity.hpp>
+#include <GeographicLib/TransverseMercator.hpp>
 #include <cmath>
 #include <fstream>
 #include <map>
-#include <regex>
-#include <sstream>
 #include <stdexcept>
 
 #include "survey/network/observation_equation.h"
+#include "tests/support/dynadjust_geoid.h"
+#include "tests/support/dynadjust_text.h"
 
 namespace test_support {
 namespace {
@@ -22,49 +23,23 @@ using survey::ObservationKind;
 
 constexpr double kArcSecond = M_PI / 180.0 / 3600.0;
 constexpr double kMeanRadius = 6.37e6;
-
-std::vector<std::string> Words(const std::string& line) {
-  std::istringstream in(line);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
-
-std::vector<double> Decimals(const std::string& line) {
-  static const std::regex kDecimal(R"(-?\d+\.\d+(?:[eE][+-]\d+)?)");
-  std::vector<double> numbers;
-  for (std::sregex_iterator it(line.begin(), line.end(), kDecimal), end; it != end; ++it) {
-    numbers.push_back(std::stod(it->str()));
-  }
-  return numbers;
-}
-
-std::string Field(const std::string& line, std::size_t begin, std::size_t size) {
-  if (begin >= line.size()) return "";
-  const std::vector<std::string> words = Words(line.substr(begin, size));
-  return words.empty() ? "" : words.front();
-}
-
-// "-37 47 52.0000" in arc seconds, or a length.
-double Value(const std::string& text, bool angular) {
-  const std::vector<std::string> words = Words(text);
-  if (!angular) return std::stod(words.at(0));
-  const double sign = words.at(0).front() == '-' ? -1.0 : 1.0;
-  return sign * (std::abs(std::stod(words.at(0))) * 3600.0 + std::stod(words.at(1)) * 60.0 + std::stod(words.at(2)));
-}
-
-// "-37.481370003": degrees, minutes and seconds in the decimals, to degrees.
-double PackedDegrees(const std::string& text) {
-  const bool negative = text.front() == '-';
-  const std::size_t dot = text.find('.');
-  const double degrees = std::abs(std::stod(text.substr(0, dot)));
-  const std::string rest = text.substr(dot + 1);
-  const double value =
-      degrees + std::stod(rest.substr(0, 2)) / 60.0 + std::stod(rest.substr(2, 2) + "." + rest.substr(4)) / 3600.0;
-  return negative ? -value : value;
-}
+constexpr double kLastDigit = 1e-4 / 3.46;  // sigma of a length printed to 0.1 mm (m)
 
 const GeographicLib::Geocentric& Earth() { return GeographicLib::NormalGravity::GRS80().Earth(); }
+
+// Latitude and longitude (deg) of a place in a southern UTM zone.
+Eigen::Vector2d PlaceOfGrid(double easting, double northing, int zone) {
+  static const GeographicLib::TransverseMercator kUtm(Earth().EquatorialRadius(), Earth().Flattening(), 0.9996);
+  Eigen::Vector2d place;
+  kUtm.Reverse(6.0 * zone - 183.0, easting - 5e5, northing - 1e7, place.x(), place.y());
+  return place;
+}
+
+Eigen::Vector3d Geocentric(const Eigen::Vector2d& place, double height) {
+  Eigen::Vector3d p;
+  Earth().Forward(place.x(), place.y(), height, p.x(), p.y(), p.z());
+  return p;
+}
 
 class Reader {
  public:
@@ -74,6 +49,8 @@ class Reader {
     result_.network.geometry.geocentric = true;
     result_.network.use_sigma_a_posteriori = false;
     ReadExpected();
+    ReadStations();
+    FindGeoid();
     ReadMeasurements();
     ReadConstraints();
     return std::move(result_);
@@ -134,9 +111,44 @@ class Reader {
     result_.expected_positions.emplace_back(x, y, z);
     result_.expected_sigmas.emplace_back(std::stod(words.at(9)), std::stod(words.at(10)), std::stod(words.at(11)));
     constraints_.push_back(words.at(1));
-    // The adjustment starts half a metre away, for it to have something to find.
-    const double offset = use == CoordinateUse::kFixed ? 0.0 : 0.4 - 0.1 * static_cast<double>(index_.size() % 9);
-    result_.network.points.back().position = Eigen::Vector3d(x + offset, y - offset, z + 0.5 * offset);
+    geoid_heights_.push_back(std::stod(words.at(5)) - std::stod(words.at(4)));
+  }
+
+  // Where each station was before the adjustment, in the grid and above the geoid.
+  void ReadStations() {
+    places_.resize(index_.size());
+    levels_.resize(index_.size());
+    std::ifstream in(folder_ / "urban-network.stn");
+    for (std::string line; std::getline(in, line);) {
+      if (line.front() == '!' || line.front() == '*') continue;
+      const std::vector<std::string> words = Words(line);
+      const auto station = static_cast<std::size_t>(index_.at(words.at(0)));
+      places_[station] = PlaceOfGrid(std::stod(words.at(3)), std::stod(words.at(4)), std::stoi(words.at(6)));
+      levels_[station] = std::stod(words.at(5));
+    }
+  }
+
+  const Eigen::Vector2d& PlaceOf(const std::string& station) const {
+    return places_[static_cast<std::size_t>(index_.at(station))];
+  }
+
+  // From all that the expected output tells of it; then the stations have their coordinates before the adjustment.
+  void FindGeoid() {
+    for (std::size_t i = 0; i < places_.size(); ++i)
+      geoid_.AddHeight(places_[i], geoid_heights_[i], std::sqrt(2.0) * kLastDigit);
+    for (const auto& [key, measurements] : by_key_) {
+      for (const ExpectedMeasurement& m : measurements) {
+        if (m.type == 'L')
+          geoid_.AddRise(PlaceOf(m.stations[0]), PlaceOf(m.stations[1]), m.before, kLastDigit);
+        else if (m.type == 'H' || m.component == "H")
+          geoid_.AddHeight(PlaceOf(m.stations[0]), m.before, kLastDigit);
+      }
+    }
+    result_.geoid_misfit = geoid_.Fit();
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      const double height = levels_[i] + geoid_.Height(places_[i]);
+      result_.network.points[i].position = Geocentric(places_[i], height);
+    }
   }
 
   // The expected measurement that belongs to one of the file: of several between the same stations the one with that
@@ -198,6 +210,20 @@ class Reader {
     Add(o, expected);
   }
 
+  double GeoidUnder(int station) const { return geoid_.Height(places_[static_cast<std::size_t>(station)]); }
+
+  // DynAdjust puts the target's height on the vertical of the instrument, for slope distances only; upright targets
+  // lean away from each other by the height over the Earth's radius, 0.25 mm per kilometre. What to add to its
+  // distances.
+  double LeanOfTarget(const Observation& o) const {
+    const Eigen::Vector3d& from = result_.expected_positions[static_cast<std::size_t>(o.from)];
+    const Eigen::Vector3d& to = result_.expected_positions[static_cast<std::size_t>(o.to)];
+    const Eigen::Vector3d up = survey::LevelledAxes(from).row(2);
+    const Eigen::Vector3d up_at_target = survey::LevelledAxes(to).row(2);
+    const Eigen::Vector3d from_instrument = to - from - o.instrument_height * up;
+    return (from_instrument + o.target_height * up_at_target).norm() - (from_instrument + o.target_height * up).norm();
+  }
+
   // Heights of the geoid are added; deflections of the vertical are taken off.
   void SetKind(char type, double measured, double before, Observation* o) const {
     const double angle = (measured - before) * kArcSecond;
@@ -222,20 +248,21 @@ class Reader {
         break;
       case 'S':
         o->kind = ObservationKind::kSlopeDistance;
+        o->value = measured + LeanOfTarget(*o);
         break;
-      case 'M': {  // on the ellipsoid; here in the height of the station
+      case 'M': {  // at sea level; here in the height of the station
         o->kind = ObservationKind::kDistance;
         const Eigen::Vector3d& p = result_.expected_positions[static_cast<std::size_t>(o->from)];
-        o->value = measured * (1.0 + survey::EllipsoidalHeight(p) / kMeanRadius);
+        o->value = measured * (1.0 + (survey::EllipsoidalHeight(p) - GeoidUnder(o->from)) / kMeanRadius);
         break;
       }
       case 'H':
         o->kind = ObservationKind::kHeight;
-        o->value = measured + before;
+        o->value = measured + GeoidUnder(o->from);
         break;
       case 'L':
         o->kind = ObservationKind::kHeightDifference;
-        o->value = measured + before;
+        o->value = measured + GeoidUnder(o->to) - GeoidUnder(o->from);
         break;
       default:
         throw std::runtime_error(std::string("unknown measurement type ") + type);
@@ -310,12 +337,10 @@ class Reader {
     ExpectedMeasurement expected[3] = {Take('Y', {station}, "P", latitude * 3600.0),
                                        Take('Y', {station}, "L", longitude * 3600.0),
                                        Take('Y', {station}, "H", packed[2])};
-    const double height = packed[2] + expected[2].before;
+    const double height = packed[2] + GeoidUnder(index_.at(station));
     const auto position = [&](double d_latitude, double d_longitude, double d_height) {
-      Eigen::Vector3d p;
-      Earth().Forward(latitude + d_latitude * 180.0 / M_PI, longitude + d_longitude * 180.0 / M_PI, height + d_height,
-                      p.x(), p.y(), p.z());
-      return p;
+      return Geocentric(Eigen::Vector2d(latitude, longitude) + Eigen::Vector2d(d_latitude, d_longitude) * 180.0 / M_PI,
+                        height + d_height);
     };
     constexpr double kStep = 1e-6;
     jacobian->block<3, 1>(place, place) = (position(kStep, 0, 0) - position(-kStep, 0, 0)) / (2 * kStep);
@@ -329,11 +354,12 @@ class Reader {
   }
 
   // Stations that are constrained in some of east, north and up are observed there, with 10 micrometres, and in the
-  // others with the 10 m that DynAdjust gives to free stations.
+  // others with the 10 m that DynAdjust gives to free stations, at the coordinates that they had before.
   void ReadConstraints() {
     for (std::size_t i = 0; i < constraints_.size(); ++i) {
       if (constraints_[i] == "FFF" || constraints_[i] == "CCC") continue;
-      const Eigen::Matrix3d axes = survey::LevelledAxes(result_.expected_positions[i]);
+      const Eigen::Vector3d& given = result_.network.points[i].position;
+      const Eigen::Matrix3d axes = survey::LevelledAxes(given);
       Eigen::Vector3d sigmas;
       for (int k = 0; k < 3; ++k) {
         const bool constrained = constraints_[i][static_cast<std::size_t>(k)] == 'C';
@@ -345,7 +371,7 @@ class Reader {
         result_.network.observations.push_back({.kind = ObservationKind::kCoordinate,
                                                 .from = static_cast<int>(i),
                                                 .component = k,
-                                                .value = result_.expected_positions[i][k],
+                                                .value = given[k],
                                                 .sigma = 1});
       }
       result_.network.correlated.push_back({first, axes.transpose() * sigmas.cwiseAbs2().asDiagonal() * axes});
@@ -356,6 +382,10 @@ class Reader {
   DynAdjustNetwork result_;
   std::map<std::string, int> index_;
   std::vector<std::string> constraints_;
+  std::vector<double> geoid_heights_;    // printed, of each station
+  std::vector<Eigen::Vector2d> places_;  // of each station: latitude and longitude before the adjustment (deg)
+  std::vector<double> levels_;           // above the geoid (m)
+  GeoidSurface geoid_;
   std::map<std::string, std::vector<ExpectedMeasurement>> by_key_;
 };
 

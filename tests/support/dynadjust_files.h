@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // DynAdjust's sample network (DNA 3.01 station and measurement files) with its expected adjustment. The geoid model
-// that DynAdjust used is not at hand; what it corrected with it stands beside each measurement of the expected output
-// and is taken from there, as are the coordinates of constrained stations.
+// that DynAdjust used is not at hand; what it corrected with it stands beside each measurement of the expected output:
+// deflections of the vertical are taken from there, heights from the surface through what is printed
+// (dynadjust_geoid.h), so that their rounding to 0.1 mm does not matter.
 #pragma once
 
 #include <filesystem>
@@ -31,6 +32,7 @@ struct DynAdjustNetwork {
   std::vector<ExpectedMeasurement> expected;        // of network.observations, in their order, then the constraints
   std::vector<Eigen::Vector3d> expected_positions;  // of network.points
   std::vector<Eigen::Vector3d> expected_sigmas;     // east, north, up
+  double geoid_misfit = 0.0;      // largest, of what is printed of the geoid against the surface through it (m)
   int num_loose_constraints = 0;  // of 10 m, which complete the triples of partly constrained stations
   double chi_square = 0.0;
   int degrees_of_freedom = 0;

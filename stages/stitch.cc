@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <list>
+#include <memory>
 #include <optional>
 
 #include "formats/artefacts.h"
@@ -17,6 +19,7 @@
 #include "survey/grid/coverage.h"
 #include "survey/grid/mosaic.h"
 #include "survey/grid/seams.h"
+#include "survey/grid/seen_tiles.h"
 
 namespace {
 
@@ -105,43 +108,71 @@ struct SeamSearch {
 };
 
 // Empty: both have not seen enough for a seam. Of the pair only what both may have seen is looked at.
-std::optional<survey::Seam> CompareTwo(const survey::RasterStrips& first, const survey::RasterStrips& second,
-                                       const survey::CellBox& common, const SeamSearch& search) {
+std::optional<survey::Seam> CompareTwo(const survey::SeenTiles& first, const survey::SeenTiles& second,
+                                       const survey::CellBox& common, double cell_m, const SeamSearch& search) {
   constexpr std::int64_t kSmoothedCells = 8;  // whose surroundings tell where their faces are
-  const std::int64_t margin = std::llround(search.seam.search_m / first.frame.cell_size_m) + kSmoothedCells;
-  survey::Seam seam = survey::CompareMaps(PartOf(first, common, margin), PartOf(second, common, margin), search.seam);
+  const std::int64_t margin = std::llround(search.seam.search_m / cell_m) + kSmoothedCells;
+  survey::Seam seam = survey::CompareMaps(first.Part(common, margin), second.Part(common, margin), search.seam);
   if (seam.overlap_area_m2 == 0.0 || seam.overlap_area_m2 < search.min_overlap_m2) return std::nullopt;
   return seam;
 }
 
-// A block while it is compared with its neighbours: its map in memory.
+// A block while it is compared with its neighbours.
 struct LoadedBlock {
-  survey::SiteRaster map;
+  survey::SeenTiles map;
   survey::Solution solution;
+
+  explicit LoadedBlock(const BlockMap& block) : map(block.map), solution(formats::ReadSolution(block.solution)) {}
+  std::size_t bytes() const { return map.bytes() + solution.scans.size() * sizeof(survey::SolvedScan); }
 };
 
-LoadedBlock Load(const BlockMap& block) {
-  return {block.map.read(block.map.frame.min_row, block.map.frame.height), formats::ReadSolution(block.solution)};
-}
+// The blocks that were used last stay in memory, up to a limit: neighbours are compared soon after each other.
+class LoadedBlocks {
+ public:
+  explicit LoadedBlocks(const std::vector<const BlockMap*>& blocks) : blocks_(blocks) {}
+
+  std::shared_ptr<const LoadedBlock> Of(std::size_t index) {
+    const auto found =
+        std::find_if(last_used_.begin(), last_used_.end(), [&](const Entry& entry) { return entry.first == index; });
+    if (found != last_used_.end()) {
+      last_used_.splice(last_used_.begin(), last_used_, found);
+    } else {
+      last_used_.emplace_front(index, std::make_shared<LoadedBlock>(*blocks_[index]));
+      bytes_ += last_used_.front().second->bytes();
+    }
+    while (bytes_ > kMostBytes && last_used_.size() > 1) {
+      bytes_ -= last_used_.back().second->bytes();
+      last_used_.pop_back();
+    }
+    return last_used_.front().second;
+  }
+
+ private:
+  using Entry = std::pair<std::size_t, std::shared_ptr<const LoadedBlock>>;
+  static constexpr std::size_t kMostBytes = std::size_t{128} << 20;
+
+  const std::vector<const BlockMap*>& blocks_;
+  std::list<Entry> last_used_;  // the last one first
+  std::size_t bytes_ = 0;
+};
 
 std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& blocks, const SeamSearch& search,
                                            pipeline::StageRun& run) {
   std::vector<survey::Coverage> coverages;
   for (const BlockMap* block : blocks) coverages.emplace_back(block->map);
+  LoadedBlocks loaded(blocks);
   const double cell_m = blocks.front()->map.frame.cell_size_m;
   std::vector<formats::BlockSeam> seams;
   pipeline::Progress progress = run.Track("blocks", static_cast<std::int64_t>(blocks.size()));
   for (std::size_t i = 0; i < blocks.size(); ++i) {
-    std::optional<LoadedBlock> first;
     for (std::size_t j = i + 1; j < blocks.size(); ++j) {
       const survey::CommonCoverage common = coverages[i].With(coverages[j]);
       const double at_most_m2 = static_cast<double>(common.max_cells) * cell_m * cell_m;
       if (common.max_cells == 0 || at_most_m2 < search.min_overlap_m2) continue;
-      if (!first) first = Load(*blocks[i]);
-      std::optional<survey::Seam> seam = CompareTwo(StripsOf(first->map), blocks[j]->map, common.box, search);
+      const std::shared_ptr<const LoadedBlock> first = loaded.Of(i), second = loaded.Of(j);
+      std::optional<survey::Seam> seam = CompareTwo(first->map, second->map, common.box, cell_m, search);
       if (!seam) continue;
-      const auto verdict = survey::JudgeSeam(*seam, first->solution, formats::ReadSolution(blocks[j]->solution),
-                                             kReadingSigmaCells * cell_m);
+      const auto verdict = survey::JudgeSeam(*seam, first->solution, second->solution, kReadingSigmaCells * cell_m);
       seams.push_back({blocks[i]->name, blocks[j]->name, *std::move(seam), verdict});
     }
     progress.Advance(static_cast<std::int64_t>(i + 1));

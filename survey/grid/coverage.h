@@ -11,6 +11,12 @@
 
 namespace survey {
 
+inline constexpr int kTileCells = 32;  // side of a tile: 1.6 m with cells of 5 cm
+
+constexpr std::int64_t FloorDivide(std::int64_t value, std::int64_t by) {
+  return value >= 0 ? value / by : -((-value + by - 1) / by);
+}
+
 // Site cells [min, end) in both directions.
 struct CellBox {
   std::int64_t min_column = 0;
@@ -32,8 +38,6 @@ class Coverage {
   CommonCoverage With(const Coverage& other) const;
 
  private:
-  static constexpr int kTileCells = 32;
-
   void Count(const SiteRaster& rows);
   int At(std::int64_t tile_column, std::int64_t tile_row) const;  // 0 outside
 
@@ -43,8 +47,5 @@ class Coverage {
   std::int64_t height_ = 0;
   std::vector<std::uint16_t> known_;  // cells by tile
 };
-
-// The part of a map that lies within `margin` cells of the box.
-SiteRaster PartOf(const RasterStrips& map, const CellBox& box, std::int64_t margin);
 
 }  // namespace survey

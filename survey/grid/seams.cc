@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "survey/geometry/principal_axes.h"
+#include "survey/grid/coverage.h"
 #include "survey/grid/faces.h"
 
 namespace survey {
@@ -216,9 +217,7 @@ void CombinePatches(Seam* seam) {
   if (full > 0) seam->rms_m = std::sqrt(squares / full);
 }
 
-std::int64_t FloorTo(std::int64_t value, std::int64_t step) {
-  return (value >= 0 ? value / step : -((-value + step - 1) / step)) * step;
-}
+std::int64_t FloorTo(std::int64_t value, std::int64_t step) { return FloorDivide(value, step) * step; }
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "survey/grid/coverage.h"
+#include "survey/grid/seen_tiles.h"
 #include "tests/support/rendered_map.h"
 
 namespace survey {
@@ -101,8 +102,8 @@ TEST(Coverage, ThePartsBothHaveSeenGiveTheSeamOfTheWholeMaps) {
   const SiteRaster second = RenderMap(Hall(), {{12, 6.2}, {17, 9}}, {.range_max_m = 8.0});
   const Seam whole = CompareMaps(first, second, {});
   const CommonCoverage common = Coverage(StripsOf(first)).With(Coverage(StripsOf(second)));
-  const SiteRaster part = PartOf(StripsOf(first), common.box, 16);
-  const Seam parts = CompareMaps(part, PartOf(StripsOf(second), common.box, 16), {});
+  const SiteRaster part = SeenTiles(StripsOf(first)).Part(common.box, 16);
+  const Seam parts = CompareMaps(part, SeenTiles(StripsOf(second)).Part(common.box, 16), {});
   EXPECT_LT(part.width, first.width * 3 / 4);
   ASSERT_GT(whole.overlap_area_m2, 1.0);
   EXPECT_GE(static_cast<double>(common.max_cells) * first.cell_size_m * first.cell_size_m, whole.overlap_area_m2);
@@ -110,6 +111,31 @@ TEST(Coverage, ThePartsBothHaveSeenGiveTheSeamOfTheWholeMaps) {
   EXPECT_EQ(parts.first_contradicted_share, whole.first_contradicted_share);
   ASSERT_EQ(parts.patches.size(), whole.patches.size());
   for (std::size_t i = 0; i < parts.patches.size(); ++i) EXPECT_EQ(parts.patches[i].offset, whole.patches[i].offset);
+}
+
+TEST(SeenTiles, HoldWhatWasSeenAndGiveAnyPartOfIt) {
+  SiteRaster map{.min_column = -70, .min_row = -3, .width = 300, .height = 200};
+  map.log_odds.assign(map.Index(0, map.height), kUnknownLogOdds);
+  for (int k = 0; k < 40; ++k) map.At((k * 7) % 50, (k * 11) % 60) = static_cast<float>(k);
+  map.At(299, 199) = 40.0F;
+  const SeenTiles tiles(StripsOf(map));
+  EXPECT_LT(tiles.bytes(), map.log_odds.size() * sizeof(float) / 4);
+  const SiteRaster whole = tiles.Part({-70, -3, 230, 197}, 5);
+  ASSERT_EQ(whole.width, map.width);
+  ASSERT_EQ(whole.height, map.height);
+  const SiteRaster part = tiles.Part({-60, 10, -40, 20}, 3);
+  EXPECT_EQ(part.min_column, -63);
+  EXPECT_EQ(part.width, 26);
+  EXPECT_EQ(part.height, 16);
+  const auto same = [](float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+  for (int row = 0; row < map.height; ++row) {
+    for (int column = 0; column < map.width; ++column) {
+      ASSERT_TRUE(same(whole.At(column, row), map.At(column, row))) << column << " " << row;
+      if (!part.Contains(column - 7, row - 10)) continue;
+      ASSERT_TRUE(same(part.At(column - 7, row - 10), map.At(column, row))) << column << " " << row;
+    }
+  }
+  EXPECT_EQ(tiles.Part({400, 0, 410, 10}, 3).width, 0);
 }
 
 TEST(Coverage, MapsApartHaveNothingInCommon) {

@@ -172,6 +172,14 @@ TEST_F(ControlCsvTest, DamagedFilesAreRefusedOrRead) {
   EXPECT_GT(read, 0);
 }
 
+// Before it is held: a point cloud of a gigabyte that was taken for the list.
+TEST_F(ControlCsvTest, AFileOfTooManyRowsIsRefusedWhereItBecomesTooLong) {
+  std::string text;
+  for (int i = 0; i < 200'001; ++i) text += std::to_string(i) + ",1,2\n";
+  EXPECT_EQ(Refusal(text + "not, read\n", {.order = "pnezd"}),
+            "points.csv:200001: more than 200000 rows: no control list is so long (a point cloud?)");
+}
+
 TEST_F(ControlCsvTest, AcceptsOtherEncodings) {
   const ControlCsv latin = Read("point,northing,easting,description\nC1,1,2,T\xFCr\n");
   EXPECT_EQ(latin.points[0].description, "T\xC3\xBCr");

@@ -21,9 +21,7 @@ Coverage::Coverage(const RasterStrips& map) {
   width_ = FloorDivide(frame.min_column + frame.width - 1, kTileCells) - min_column_ + 1;
   height_ = FloorDivide(frame.min_row + frame.height - 1, kTileCells) - min_row_ + 1;
   known_.assign(static_cast<std::size_t>(width_ * height_), 0);
-  constexpr int kRowsAtATime = 512;
-  for (int row = 0; row < frame.height; row += kRowsAtATime)
-    Count(map.read(frame.min_row + row, std::min(kRowsAtATime, frame.height - row)));
+  VisitRows(map, [&](const SiteRaster& rows) { Count(rows); });
 }
 
 void Coverage::Count(const SiteRaster& rows) {

@@ -4,6 +4,7 @@
 // and where, so that only that part of them has to be read.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -15,6 +16,14 @@ inline constexpr int kTileCells = 32;  // side of a tile: 1.6 m with cells of 5 
 
 constexpr std::int64_t FloorDivide(std::int64_t value, std::int64_t by) {
   return value >= 0 ? value / by : -((-value + by - 1) / by);
+}
+
+// Some rows of a map after the others, each once.
+template <typename Visit>
+void VisitRows(const RasterStrips& map, const Visit& visit) {
+  constexpr int kRowsAtATime = 512;
+  for (int row = 0; row < map.frame.height; row += kRowsAtATime)
+    visit(map.read(map.frame.min_row + row, std::min(kRowsAtATime, map.frame.height - row)));
 }
 
 // Site cells [min, end) in both directions.

@@ -23,9 +23,7 @@ SeenTiles::SeenTiles(const RasterStrips& map)
       width_(FloorDivide(map.frame.min_column + map.frame.width - 1, kTileCells) - min_column_ + 1) {
   const std::int64_t height = FloorDivide(map.frame.min_row + map.frame.height - 1, kTileCells) - min_row_ + 1;
   place_.assign(static_cast<std::size_t>(width_ * height), kNothingSeen);
-  constexpr int kRowsAtATime = 512;
-  for (int row = 0; row < frame_.height; row += kRowsAtATime)
-    TakeRows(map.read(frame_.min_row + row, std::min(kRowsAtATime, frame_.height - row)));
+  VisitRows(map, [&](const SiteRaster& rows) { TakeRows(rows); });
   cells_.shrink_to_fit();
 }
 

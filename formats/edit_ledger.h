@@ -34,12 +34,21 @@ struct LedgerLine {
   survey::MapEdit edit;
 };
 
+// An edit that was taken back: as it was last, and the retirement with its who, when and why.
+struct RetiredEdit {
+  survey::MapEdit edit;
+  survey::MapEdit retirement;
+};
+
 struct Ledger {
   std::vector<LedgerLine> lines;
   std::string head;  // SHA-256 of the last line; 64 zeros of an empty ledger
 
   // The last revisions of the edits that were not retired, in the order in which they were added.
   std::vector<survey::MapEdit> Active() const;
+
+  // The others, in the order in which they were retired.
+  std::vector<RetiredEdit> Retired() const;
 };
 
 // The head of an empty ledger.

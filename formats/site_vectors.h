@@ -28,12 +28,22 @@ struct VectorFeature {
   std::vector<std::vector<Eigen::Vector2d>> holes;        // of polygons
 };
 
+// How features of one kind are drawn in QGIS.
+struct VectorCategory {
+  std::string value;  // of the layer's `category`
+  std::string colour;
+  std::string pattern = "solid";  // of lines and outlines: solid, dash, dot
+  std::string fill = "no";        // of polygons: no, solid, b_diagonal, f_diagonal, cross
+};
+
 struct VectorLayer {
   std::string name;
   VectorShape shape = VectorShape::kPoint;
   std::string colour;       // "#1f5fa8"
   std::string symbol;       // of points: a marker's name as QGIS knows it
   std::string label_field;  // empty: not labelled
+  std::string category;     // a field or an expression of QGIS; empty: all features are drawn alike
+  std::vector<VectorCategory> categories;
   std::vector<VectorField> fields;
   std::vector<VectorFeature> features;
   std::string form;  // of the attributes in QGIS, QML; empty: as QGIS likes

@@ -197,11 +197,11 @@ $(call stage,certify,,work/control.sqlite $(call of-blocks,$(blocks),solution.sq
   --output out/certificate.json)
 
 $(call stage,report,,out/certificate.json $(site-map) $(call of-blocks,$(blocks),solution.sqlite)\
-  $(call edits-of,$(call of-blocks,$(site-blocks),edits.json)),\
+  $(call edits-of,$(call of-blocks,$(site-blocks),edits.json)) $(call source,$(ledger)),\
   out/certificate.html out/site.gpkg out/site.qgs out/site.dxf,\
   --certificate out/certificate.json $(addprefix --site-map ,$(site-map))\
   --solution $(call named,$(blocks),solution.sqlite) --geopackage out/site.gpkg --project out/site.qgs --dxf out/site.dxf\
-  $(call edits-of,--edits $(call named,$(site-blocks),edits.json))\
+  $(call edits-of,--edits $(call named,$(site-blocks),edits.json)) $(addprefix --ledger ,$(ledger))\
   --output out/certificate.html)
 
 # On paper where WeasyPrint is installed; WEASYPRINT= leaves the PDF out.

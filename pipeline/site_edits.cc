@@ -98,6 +98,15 @@ void Tie(const fs::path& site, const std::vector<BlockMap>& maps, const Basis& b
     throw DataError(TitleOf(*edit) + ": no scan has a return from there");
 }
 
+// Each edit once, where the solutions of the blocks put it.
+std::vector<survey::SiteEdit> PlacedBy(const std::vector<NamedFile>& solutions, const std::vector<MapEdit>& edits) {
+  std::vector<survey::BlockEdits> blocks;
+  for (const NamedFile& solution : solutions)
+    blocks.push_back(
+        {.block = solution.name, .edits = survey::EditsOfBlock(solution.name, edits, ReadBlockPoses(solution.file))});
+  return survey::SiteEdits(blocks);
+}
+
 }  // namespace
 
 fs::path LedgerFile(const fs::path& site) { return site / "edits" / "ledger.jsonl"; }
@@ -133,14 +142,28 @@ std::vector<survey::BlockEdits> ReadBlockEdits(const std::vector<NamedFile>& fil
 }
 
 std::vector<MapEdit> PlacedEdits(const fs::path& site) {
-  const std::vector<MapEdit> active = formats::ReadLedger(LedgerFile(site)).Active();
-  std::vector<survey::BlockEdits> blocks;
+  std::vector<NamedFile> solutions;
   for (const std::string& block : MappedBlocks(site))
-    blocks.push_back(
-        {.block = block,
-         .edits = survey::EditsOfBlock(block, active, ReadBlockPoses(InBlock(site, block, "solution.sqlite")))});
+    solutions.push_back({block, InBlock(site, block, "solution.sqlite")});
   std::vector<MapEdit> placed;
-  for (const survey::SiteEdit& edit : survey::SiteEdits(blocks)) placed.push_back(edit.applied.edit);
+  for (const survey::SiteEdit& edit : PlacedBy(solutions, formats::ReadLedger(LedgerFile(site)).Active()))
+    placed.push_back(edit.applied.edit);
+  return placed;
+}
+
+std::vector<survey::SiteEdit> RetiredEdits(const fs::path& ledger, const std::vector<NamedFile>& solutions) {
+  std::vector<MapEdit> edits;
+  std::map<std::string, std::string> remarks;
+  for (const formats::RetiredEdit& retired : formats::ReadLedger(ledger).Retired()) {
+    const MapEdit& by = retired.retirement;
+    edits.push_back(retired.edit);
+    remarks[retired.edit.uid] = "taken back by " + by.who + ", " + by.when + (by.why.empty() ? "" : ": " + by.why);
+  }
+  std::vector<survey::SiteEdit> placed = PlacedBy(solutions, edits);
+  for (survey::SiteEdit& edit : placed) {
+    edit.state = survey::EditState::kRetired;
+    edit.remark = remarks.at(edit.applied.edit.uid);
+  }
   return placed;
 }
 

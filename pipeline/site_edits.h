@@ -14,6 +14,7 @@
 #include "formats/raster_file.h"
 #include "pipeline/stage.h"
 #include "survey/edits/anchoring.h"
+#include "survey/edits/site_edits.h"
 
 namespace pipeline {
 
@@ -34,6 +35,10 @@ std::vector<survey::BlockEdits> ReadBlockEdits(const std::vector<NamedFile>& fil
 
 // The edits that hold, in order of their uids, where the current maps put them.
 std::vector<survey::MapEdit> PlacedEdits(const std::filesystem::path& site);
+
+// The edits of the ledger that were taken back, likewise, where the solutions of the blocks put them.
+std::vector<survey::SiteEdit> RetiredEdits(const std::filesystem::path& ledger,
+                                           const std::vector<NamedFile>& solutions);
 
 // Ties additions and modifications to the current maps (anchors, beams of masks, more vertices on long lines) and
 // appends all lines; see formats::AppendToLedger for what it fills in, what it returns and what it refuses. DataError

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The certificate as a page for people, and what it knows as layers for GIS and CAD.
+#include <algorithm>
+
 #include "formats/artefacts.h"
 #include "formats/atomic_file.h"
 #include "formats/certificate_file.h"
@@ -32,6 +34,26 @@ std::vector<formats::BlockTrajectory> ReadTrajectories(const std::vector<pipelin
   return trajectories;
 }
 
+// Those that hold and those that were taken back.
+std::vector<survey::SiteEdit> ReadEdits(const std::vector<pipeline::NamedFile>& edits,
+                                        const std::filesystem::path& ledger,
+                                        std::vector<pipeline::NamedFile> solutions) {
+  std::vector<survey::SiteEdit> all = survey::SiteEdits(pipeline::ReadBlockEdits(edits));
+  if (ledger.empty()) return all;
+  std::erase_if(solutions, [&](const pipeline::NamedFile& solution) {  // of blocks that are not on the map
+    return std::none_of(edits.begin(), edits.end(), [&](const auto& each) { return each.name == solution.name; });
+  });
+  for (survey::SiteEdit& edit : pipeline::RetiredEdits(ledger, solutions)) all.push_back(std::move(edit));
+  return all;
+}
+
+std::vector<formats::VectorLayer> LayersOf(const formats::CertificatePage& page,
+                                           const std::vector<survey::SiteEdit>& edits) {
+  std::vector<formats::VectorLayer> layers = formats::SiteVectorLayers(page.certificate, page.trajectories);
+  for (formats::VectorLayer& layer : formats::EditLayers(edits)) layers.push_back(std::move(layer));
+  return layers;
+}
+
 void WriteProject(const std::filesystem::path& file, const std::filesystem::path& site_map,
                   const std::filesystem::path& geopackage, const survey::Certificate& certificate,
                   const std::vector<formats::VectorLayer>& layers) {
@@ -56,12 +78,13 @@ int main(int argc, char** argv) {
       "plumbline report --certificate out/certificate.json --site-map out/site.tif --solution "
       "B1=work/B1/solution.sqlite --geopackage out/site.gpkg --project out/site.qgs --dxf out/site.dxf --output "
       "out/certificate.html");
-  std::filesystem::path certificate, site_map, output, geopackage, project, dxf;
+  std::filesystem::path certificate, site_map, ledger, output, geopackage, project, dxf;
   std::vector<pipeline::NamedFile> solutions, edits;
   stage.Input("certificate", &certificate, "certificate.json");
   stage.OptionalInput("site-map", &site_map, "site.tif, for the figures");
   stage.NamedInputs("solution", &solutions, "solution.sqlite of each block, for the figures", false);
   stage.NamedInputs("edits", &edits, "edits.json of each block on the map, for the layers", false);
+  stage.OptionalInput("ledger", &ledger, "the site's ledger of edits, for those that were taken back");
   stage.Output("output", &output, "certificate.html to write");
   stage.OptionalOutput("geopackage", &geopackage, "site.gpkg to write: control, checks, error vectors, tracks");
   stage.OptionalOutput("project", &project, "site.qgs to write: the map and the layers of --geopackage for QGIS");
@@ -75,12 +98,13 @@ int main(int argc, char** argv) {
     }
     page.provenance = run.Provenance();
     formats::WriteFileAtomically(output, formats::CertificateHtml(page));
-    std::vector<formats::VectorLayer> layers = formats::SiteVectorLayers(page.certificate, page.trajectories);
-    for (formats::VectorLayer& layer : formats::EditLayers(survey::SiteEdits(pipeline::ReadBlockEdits(edits))))
-      layers.push_back(std::move(layer));
+    std::vector<survey::SiteEdit> site_edits = ReadEdits(edits, ledger, solutions);
+    const std::vector<formats::VectorLayer> layers = LayersOf(page, site_edits);
     const formats::RasterLabel label{.frame = page.certificate.frame, .tied = page.certificate.tied};
     if (!geopackage.empty()) formats::WriteGeoPackage(geopackage, layers, label, run.Provenance());
     if (!project.empty()) WriteProject(project, site_map, geopackage, page.certificate, layers);
-    if (!dxf.empty()) formats::WriteDxf(dxf, layers);
+    // CAD would draw what was taken back like the rest.
+    std::erase_if(site_edits, [](const auto& edit) { return edit.state == survey::EditState::kRetired; });
+    if (!dxf.empty()) formats::WriteDxf(dxf, LayersOf(page, site_edits));
   });
 }

@@ -5,6 +5,14 @@
 #include <map>
 
 namespace survey {
+namespace {
+
+void AddFinding(const EditFinding& finding, SiteEdit* edit) {
+  if (finding.kind == FindingKind::kStale) edit->state = EditState::kStale;
+  edit->remark += (edit->remark.empty() ? "" : "; ") + finding.message;
+}
+
+}  // namespace
 
 std::vector<SiteEdit> SiteEdits(std::span<const BlockEdits> blocks) {
   std::map<std::string, SiteEdit> by_uid;
@@ -17,7 +25,7 @@ std::vector<SiteEdit> SiteEdits(std::span<const BlockEdits> blocks) {
   for (const BlockEdits& block : blocks) {
     for (const EditFinding& finding : block.findings) {
       for (const std::string& uid : finding.uids) {
-        if (const auto found = by_uid.find(uid); found != by_uid.end()) found->second.has_finding = true;
+        if (const auto found = by_uid.find(uid); found != by_uid.end()) AddFinding(finding, &found->second);
       }
     }
   }

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "survey/accuracy/edit_summary.h"
@@ -11,10 +13,29 @@
 
 namespace survey {
 
-// An edit on the site's map, and whether something is to be looked at.
+enum class EditState {
+  kActive,
+  kStale,   // active, but newer scans speak against it
+  kRetired  // taken back
+};
+
+constexpr std::string_view Name(EditState state) {
+  switch (state) {
+    case EditState::kActive:
+      return "active";
+    case EditState::kStale:
+      return "stale";
+    case EditState::kRetired:
+      return "retired";
+  }
+  return "";
+}
+
+// An edit on the site's map.
 struct SiteEdit {
   AppliedEdit applied;
-  bool has_finding = false;
+  EditState state = EditState::kActive;
+  std::string remark;  // what is to be looked at; of a retired edit who took it back, when and why
 };
 
 // Each edit once, in order of uids, where the block puts it in which most of its vertices hang on scans.

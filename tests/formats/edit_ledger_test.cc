@@ -84,6 +84,10 @@ TEST_F(LedgerTest, ModifiedAndRetiredEdits) {
   EXPECT_EQ(active[0].revision, 2);
   EXPECT_EQ(active[0].parts, longer.parts);
   EXPECT_EQ(ReadLedger(file_).lines.size(), 4U) << "nothing is taken away";
+  const std::vector<RetiredEdit> retired = ReadLedger(file_).Retired();
+  ASSERT_EQ(retired.size(), 1U);
+  EXPECT_EQ(retired[0].edit, Wall("b"));
+  EXPECT_EQ(retired[0].retirement.who, "AB");
 }
 
 TEST_F(LedgerTest, AnAdditionGetsAUidOfItsOwn) {

@@ -67,6 +67,12 @@ TEST_F(EditsTest, AnEditFollowsItsWallWhenControlChanges) {
   const json certificate = json::parse(formats::ReadWholeFile(site_ / "out/certificate.json"));
   EXPECT_EQ(certificate["edits"]["num_edits"], 2);
   EXPECT_EQ(certificate["edits"]["findings"], json::array());
+  ASSERT_EQ(Edits("retire", {"--uid", "wall", "--who", "AB", "--why", "torn down"}).status, 0);
+  EXPECT_EQ(site_.Run().status, 0);
+  const std::string lines =
+      test_support::RunCommand({"ogrinfo", "-al", "-where", "uid='wall'", site_ / "out/site.gpkg", "edit_lines"}).out;
+  EXPECT_NE(lines.find("state (String) = retired"), std::string::npos) << lines;
+  EXPECT_NE(lines.find(": torn down"), std::string::npos) << lines;
 }
 
 TEST_F(EditsTest, AMaskReachesBackToTheFieldDataAndIsUndone) {

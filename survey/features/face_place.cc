@@ -23,6 +23,7 @@ struct Column {
   double along = 0.0;
   double before = 0.0;
   double hits = 0.0;
+  double weight = 0.0;
 };
 
 // `scatter` becomes the rms distance of the hits from the face.
@@ -52,8 +53,21 @@ std::vector<Column> ColumnsOf(std::span<const HitCell> cells, const FaceStretch&
   for (Column& column : columns) {
     column.along /= column.hits;
     column.before /= column.hits;
+    // Ever more hits of the same scans tell ever less.
+    column.weight = column.hits / (column.hits + hits / static_cast<double>(columns.size()));
   }
   return columns;
+}
+
+template <typename Value>
+double SumOver(const std::vector<Column>& columns, const Value& value_of) {
+  double sum = 0.0;
+  for (const Column& column : columns) sum += value_of(column);
+  return sum;
+}
+
+double MomentOf(const std::vector<Column>& columns, double middle) {
+  return SumOver(columns, [&](const Column& column) { return column.weight * std::pow(column.along - middle, 2); });
 }
 
 // before = offset + slope (along - middle).
@@ -81,45 +95,36 @@ double Inflation(const std::vector<double>& residuals) {
   return (1.0 + correlation) / (1.0 - correlation);
 }
 
-ColumnLine FitColumns(const std::vector<Column>& columns) {
-  double all_hits = 0.0;
-  for (const Column& column : columns) all_hits += column.hits;
-  const double mean_hits = all_hits / static_cast<double>(columns.size());
-  // Ever more hits of the same scans tell ever less.
-  const auto weight_of = [&](const Column& column) { return column.hits / (column.hits + mean_hits); };
-  double weights = 0.0;
-  double squared_weights = 0.0;
+// By weighted least squares.
+ColumnLine LineThrough(const std::vector<Column>& columns) {
+  const double weights = SumOver(columns, [](const Column& column) { return column.weight; });
   ColumnLine line;
-  for (const Column& column : columns) {
-    const double weight = weight_of(column);
-    weights += weight;
-    squared_weights += weight * weight;
-    line.middle += weight * column.along;
-    line.offset += weight * column.before;
-  }
-  line.middle /= weights;
-  line.offset /= weights;
-  double moment = 0.0;
-  double product = 0.0;
-  for (const Column& column : columns) {
-    const double from_middle = column.along - line.middle;
-    moment += weight_of(column) * from_middle * from_middle;
-    product += weight_of(column) * from_middle * column.before;
-  }
-  line.slope = product / moment;
+  line.middle = SumOver(columns, [](const Column& column) { return column.weight * column.along; }) / weights;
+  line.offset = SumOver(columns, [](const Column& column) { return column.weight * column.before; }) / weights;
+  const double moment = MomentOf(columns, line.middle);
+  line.slope =
+      SumOver(columns,
+              [&](const Column& column) { return column.weight * (column.along - line.middle) * column.before; }) /
+      moment;
+  return line;
+}
+
+// By the scatter of the columns about the line.
+void EstimateSigmas(const std::vector<Column>& columns, ColumnLine* line) {
   std::vector<double> residuals;
   double squares = 0.0;
   for (const Column& column : columns) {
-    residuals.push_back(column.before - line.offset - line.slope * (column.along - line.middle));
-    squares += weight_of(column) * residuals.back() * residuals.back();
+    residuals.push_back(column.before - line->offset - line->slope * (column.along - line->middle));
+    squares += column.weight * residuals.back() * residuals.back();
   }
+  const double weights = SumOver(columns, [](const Column& column) { return column.weight; });
+  const double squared_weights = SumOver(columns, [](const Column& column) { return column.weight * column.weight; });
   const auto n = static_cast<double>(columns.size());
   // Two degrees of freedom are the line's, two more allow for how uncertain the scatter of so few columns is: the
   // variance of Student's t with n - 2 of them is (n - 2) / (n - 4).
   const double variance = squares / weights * n / std::max(1.0, n - 4.0) * Inflation(residuals);
-  line.variance_offset = variance * squared_weights / (weights * weights);
-  line.variance_slope = line.variance_offset * weights / moment;
-  return line;
+  line->variance_offset = variance * squared_weights / (weights * weights);
+  line->variance_slope = line->variance_offset * weights / MomentOf(columns, line->middle);
 }
 
 }  // namespace
@@ -131,7 +136,8 @@ std::optional<FacePlace> PlaceFace(std::span<const HitCell> cells, const FaceStr
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Column> columns = ColumnsOf(cells, face, cell_size_m, &scatter);
     if (columns.size() < kMinColumns) return std::nullopt;
-    line = FitColumns(columns);
+    line = LineThrough(columns);
+    EstimateSigmas(columns, &line);
     const Vector2d along(-face.normal.y(), face.normal.x());
     const Vector2d middle = line.middle * along + (face.offset + line.offset) * face.normal;
     const double half_length = (face.to - face.from) / 2;
@@ -144,7 +150,7 @@ std::optional<FacePlace> PlaceFace(std::span<const HitCell> cells, const FaceStr
     face.to = line.middle + centre + half_length;
   }
   return FacePlace{face.normal, face.offset, line.middle, std::sqrt(line.variance_offset),
-                   std::sqrt(line.variance_slope)};
+                   std::sqrt(line.variance_slope), scatter};
 }
 
 }  // namespace survey

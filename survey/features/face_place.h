@@ -29,6 +29,7 @@ struct FacePlace {
   double middle = 0.0;
   double sigma_offset = 0.0;
   double sigma_angle = 0.0;
+  double scatter = 0.0;  // rms distance of the hits from the face, m
 };
 
 // `about` must be right within a cell. Nothing where too little of the stretch has hits. The sigmas are those of a line

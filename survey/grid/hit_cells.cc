@@ -5,13 +5,8 @@
 #include <cmath>
 
 namespace survey {
-namespace {
 
 using Eigen::Vector2d;
-
-constexpr std::int32_t kNotKept = -1;
-
-}  // namespace
 
 template <typename Visit>
 void HitCells::ForEachCellNear(const Vector2d& p_in_site, double radius_m, const Visit& visit) const {
@@ -33,14 +28,9 @@ HitCells::HitCells(const SiteRaster& map, std::span<const Vector2d> places_in_si
              .min_row = map.min_row,
              .width = map.width,
              .height = map.height},
-      kept_(map.log_odds.size(), kNotKept) {
-  for (const Vector2d& place : places_in_site) {
-    ForEachCellNear(place, radius_m, [this](std::size_t cell) {
-      if (kept_[cell] != kNotKept) return;
-      kept_[cell] = static_cast<std::int32_t>(quarters_.size());
-      quarters_.emplace_back();
-    });
-  }
+      is_near_(map.log_odds.size(), false) {
+  for (const Vector2d& place : places_in_site)
+    ForEachCellNear(place, radius_m, [this](std::size_t cell) { is_near_[cell] = true; });
 }
 
 void HitCells::Add(std::span<const Eigen::Vector2f> points_in_map) {
@@ -51,11 +41,11 @@ void HitCells::Add(std::span<const Eigen::Vector2f> points_in_map) {
     const auto column = static_cast<std::int64_t>(cell.x());
     const auto row = static_cast<std::int64_t>(cell.y());
     if (!frame_.Contains(column, row)) continue;
-    const std::int32_t kept = kept_[frame_.Index(static_cast<int>(column), static_cast<int>(row))];
-    if (kept == kNotKept) continue;
+    const std::size_t index = frame_.Index(static_cast<int>(column), static_cast<int>(row));
+    if (!is_near_[index]) continue;
     const Eigen::Vector2f within = in_cells - cell;
     const std::size_t quarter = (within.x() < 0.5F ? 0U : 1U) + (within.y() < 0.5F ? 0U : 2U);
-    Sum& sum = quarters_[static_cast<std::size_t>(kept)][quarter];
+    Sum& sum = quarters_[index][quarter];
     sum.p_in_map += p.cast<double>();
     ++sum.hits;
   }
@@ -66,8 +56,9 @@ std::vector<HitCell> HitCells::Near(const Vector2d& p_in_site, double radius_m) 
                         static_cast<double>(frame_.min_row) * frame_.cell_size_m);
   std::vector<HitCell> cells;
   ForEachCellNear(p_in_site, radius_m, [&](std::size_t cell) {
-    if (kept_[cell] == kNotKept) return;
-    for (const Sum& sum : quarters_[static_cast<std::size_t>(kept_[cell])]) {
+    const auto quarters = quarters_.find(cell);
+    if (quarters == quarters_.end()) return;
+    for (const Sum& sum : quarters->second) {
       const auto hits = static_cast<double>(sum.hits);
       if (sum.hits > 0) cells.push_back({sum.p_in_map / hits + (corner - p_in_site), hits});
     }

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <unordered_map>
 #include <vector>
 
 #include "survey/grid/site_raster.h"
@@ -44,9 +45,9 @@ class HitCells {
   template <typename Visit>
   void ForEachCellNear(const Eigen::Vector2d& p_in_site, double radius_m, const Visit& visit) const;
 
-  SiteRaster frame_;                // without cells of its own
-  std::vector<std::int32_t> kept_;  // by cell of the map: its quarters, or kNotKept
-  std::vector<Quarters> quarters_;
+  SiteRaster frame_;                                    // without cells of its own
+  std::vector<bool> is_near_;                           // by cell of the map
+  std::unordered_map<std::size_t, Quarters> quarters_;  // of near cells with hits; looked up, never walked through
 };
 
 }  // namespace survey

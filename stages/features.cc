@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-features: where a map shows the corners and pillars of the surveyor's list.
+#include <algorithm>
+
 #include "formats/artefacts.h"
 #include "formats/features_csv.h"
 #include "formats/posed_session.h"
 #include "formats/raster_file.h"
 #include "pipeline/stage.h"
 #include "survey/features/locate.h"
-#include "survey/graph/map_uncertainty.h"
+#include "survey/graph/place_uncertainty.h"
 #include "survey/submaps/block_raster.h"
 #include "survey/submaps/drawn_hits.h"
 
 namespace {
+
+constexpr double kSamePlace_m = 0.03;
 
 survey::HitCells HitsNear(const std::vector<survey::NamedFeature>& wanted, const survey::SiteRaster& map,
                           const formats::PosedSession& block, double radius_m, double max_range_m) {
@@ -23,7 +27,7 @@ survey::HitCells HitsNear(const std::vector<survey::NamedFeature>& wanted, const
 // The covariance of the place from that of its reading.
 void AddPoses(const survey::Solution& solution, survey::MapFeature* feature) {
   if (!feature->found) return;
-  const auto of_poses = survey::MapCovarianceAt(feature->position_in_site, solution);
+  const auto of_poses = survey::PlaceCovariance(feature->position_in_site, solution);
   feature->covariance = feature->reading + of_poses.value_or(Eigen::Matrix2d::Zero());
 }
 
@@ -61,16 +65,16 @@ int main(int argc, char** argv) {
     const formats::PosedSession block = formats::ReadPosedSession(session_file, solution_file);
     const survey::HitCells hits = HitsNear(wanted, map, block, options.Reach(), max_range_m);
     std::vector<survey::MapFeature> features;
-    int found = 0;
     for (const survey::NamedFeature& one : wanted) {
       if (label.tied) {
         features.push_back(survey::LocateFeature(map, hits, one, options));
-        AddPoses(block.solution, &features.back());
       } else {  // site coordinates mean nothing in a local frame
         features.push_back({.name = one.name, .kind = one.kind, .reason = "the map is not tied to control"});
       }
-      found += features.back().found ? 1 : 0;
     }
+    survey::RefuseSharedPlaces(kSamePlace_m, &features);
+    for (survey::MapFeature& feature : features) AddPoses(block.solution, &feature);
+    const auto found = std::count_if(features.begin(), features.end(), [](const auto& each) { return each.found; });
     formats::WriteFeatures(output, features, run.Provenance());
     run.Message(std::to_string(found) + " of " + std::to_string(wanted.size()) + " features found");
   });

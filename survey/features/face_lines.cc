@@ -21,6 +21,8 @@ constexpr int kMarginCells = 8;  // of the smoothing in FaceImage
 constexpr double kMinCosine = 0.6;
 constexpr double kOwnCosine = 0.8;  // cells at a corner look between its faces and belong to both
 constexpr int kDirections = 180;
+constexpr double kScattersTrimmed = 4.0;  // of the ends of a face
+constexpr double kMostTrimmed = 0.25;     // of its length
 
 // The part of a raster round a cell.
 SiteRaster Crop(const SiteRaster& raster, const Vector2d& centre, double radius_m) {
@@ -164,11 +166,16 @@ std::optional<FaceLine> Refine(const std::vector<FaceCell>& cells, const Candida
 
 // From the middle of the band to the face; false where it has no hits.
 bool PlaceByHits(std::span<const HitCell> hits, double cell_size_m, FaceLine* line) {
-  const double trim = TrimOf(line->Length(), cell_size_m);
-  const std::optional<FacePlace> place = PlaceFace(
-      hits, {.normal = line->normal, .offset = line->offset, .from = line->begin + trim, .to = line->end - trim},
-      cell_size_m);
-  if (!place) return false;
+  std::optional<FacePlace> place;
+  double trim = TrimOf(line->Length(), cell_size_m);
+  for (int round = 0; round < 2; ++round) {
+    place = PlaceFace(
+        hits, {.normal = line->normal, .offset = line->offset, .from = line->begin + trim, .to = line->end - trim},
+        cell_size_m);
+    if (!place) return false;
+    // Hits on the next face scatter as well, and some of them end up behind this one.
+    trim = std::max(trim, std::min(kScattersTrimmed * place->scatter, kMostTrimmed * line->Length()));
+  }
   line->normal = place->normal;
   line->offset = place->offset;
   line->middle = place->middle;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/features/locate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -44,6 +45,19 @@ MapFeature LocateFeature(const SiteRaster& map, const HitCells& hits, const Name
   feature.kind = wanted.kind;
   feature.found = feature.reason.empty();
   return feature;
+}
+
+void RefuseSharedPlaces(double same_place_m, std::vector<MapFeature>* features) {
+  const std::vector<MapFeature> all = *features;
+  for (MapFeature& feature : *features) {
+    if (!feature.found) continue;
+    const auto other = std::find_if(all.begin(), all.end(), [&](const MapFeature& each) {
+      return each.found && each.name != feature.name &&
+             (each.position_in_site - feature.position_in_site).norm() <= same_place_m;
+    });
+    if (other == all.end()) continue;
+    feature = {.name = feature.name, .kind = feature.kind, .reason = "read at the same place as " + other->name};
+  }
 }
 
 }  // namespace survey

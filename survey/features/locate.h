@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <vector>
 
 #include "survey/features/feature.h"
 #include "survey/grid/hit_cells.h"
@@ -30,6 +31,10 @@ struct LocateOptions {
   double PillarReach() const { return search_radius_m + max_pillar_size_m * std::numbers::sqrt2 / 2; }
   double Reach() const { return std::max(CornerReach(), PillarReach()); }
 };
+
+// No place is read for two features: of those that lie within same_place_m of each other none is taken, and each says
+// which one the other is.
+void RefuseSharedPlaces(double same_place_m, std::vector<MapFeature>* features);
 
 // `hits` must hold those within Reach() of the feature.
 MapFeature LocateFeature(const SiteRaster& map, const HitCells& hits, const NamedFeature& wanted,

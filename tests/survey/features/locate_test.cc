@@ -190,5 +190,18 @@ TEST(LocateFeature, BetweenTheTwoFacesOfAThinWallIsAmbiguous) {
   }
 }
 
+TEST(RefuseSharedPlaces, OfTwoFeaturesAtOnePlaceNoneIsTaken) {
+  std::vector<MapFeature> features = {{.name = "A", .found = true, .position_in_site = {5, 5}},
+                                      {.name = "B", .found = true, .position_in_site = {5.5, 5}},
+                                      {.name = "C", .reason = "hidden", .position_in_site = {5, 5}},
+                                      {.name = "D", .found = true, .position_in_site = {5.02, 5}}};
+  RefuseSharedPlaces(0.03, &features);
+  EXPECT_EQ(features[0].reason, "read at the same place as D");
+  EXPECT_TRUE(features[1].found);
+  EXPECT_EQ(features[2].reason, "hidden");
+  EXPECT_FALSE(features[3].found);
+  EXPECT_EQ(features[3].reason, "read at the same place as A");
+}
+
 }  // namespace
 }  // namespace survey

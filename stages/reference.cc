@@ -14,9 +14,12 @@
 #include "survey/cloud/checkerboard_targets.h"
 #include "survey/cloud/slice.h"
 #include "survey/cloud/sphere_targets.h"
+#include "survey/features/locate.h"
 #include "survey/features/reference_feature.h"
 
 namespace {
+
+constexpr double kSamePlace_m = 0.01;
 
 struct ReferenceFiles {
   std::filesystem::path cloud, targets, features, output;
@@ -63,11 +66,11 @@ std::vector<survey::MapFeature> ReadFeatures(const ReferenceFiles& files, const 
                                              const std::vector<Eigen::Vector2d>& points) {
   std::vector<survey::MapFeature> features;
   if (files.features.empty()) return features;
-  const double placed = fit.rms_m * fit.rms_m / (3.0 * static_cast<double>(fit.residuals.size()));
   for (const survey::NamedFeature& wanted : formats::ReadFeaturesCsv(files.features)) {
     features.push_back(survey::LocateInReference(points, wanted, {}));
-    features.back().covariance += Eigen::Matrix2d::Identity() * placed;
+    if (features.back().found) features.back().covariance += fit.CovarianceAt(features.back().position_in_site);
   }
+  survey::RefuseSharedPlaces(kSamePlace_m, &features);
   return features;
 }
 

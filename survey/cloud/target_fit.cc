@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "survey/accuracy/distributions.h"
+
 namespace survey {
 namespace {
 
@@ -127,6 +129,33 @@ void TestScale(const Points& points, TargetFit* fit) {
   fit->scale_sigma = sigma / centred.norm();
 }
 
+void EstimateSigma(const Points& points, double listed_variance, TargetFit* fit) {
+  const double degrees_of_freedom = 3.0 * static_cast<double>(points.site.cols()) - 6.0;
+  const double squares = fit->rms_m * fit->rms_m * static_cast<double>(points.site.cols());
+  const bool contradicted = squares / listed_variance > ChiSquareQuantile(0.95, degrees_of_freedom);
+  fit->sigma_m = std::sqrt(contradicted ? squares / degrees_of_freedom : listed_variance);
+  const Eigen::Matrix2Xd plan = points.site.topRows<2>();
+  fit->middle_in_site = plan.rowwise().mean();
+  fit->plan_moment = (plan.colwise() - fit->middle_in_site).squaredNorm();
+}
+
+void FitMatches(const std::vector<Match>& matches, std::span<const Vector3d> spheres,
+                std::span<const KnownTarget> targets, TargetFit* fit) {
+  const Points points = PointsOf(matches, spheres, targets);
+  fit->site_from_cloud = Rigid(points);
+  fit->rms_m = RmsOf(points, fit->site_from_cloud);
+  double listed_variance = 0.0;
+  for (std::size_t i = 0; i < matches.size(); ++i) {
+    const KnownTarget& target = targets[static_cast<std::size_t>(matches[i].target)];
+    listed_variance += target.sigma_m * target.sigma_m / static_cast<double>(matches.size());
+    const auto column = static_cast<Eigen::Index>(i);
+    fit->residuals.push_back({target.name, matches[i].sphere,
+                              fit->site_from_cloud * Vector3d(points.cloud.col(column)) - points.site.col(column)});
+  }
+  EstimateSigma(points, listed_variance, fit);
+  TestScale(points, fit);
+}
+
 std::vector<Vector3d> Mirrored(std::span<const Vector3d> spheres) {
   std::vector<Vector3d> mirrored;
   for (const Vector3d& p : spheres) mirrored.emplace_back(p.x(), p.y(), -p.z());
@@ -152,6 +181,13 @@ std::string Reason(std::span<const Vector3d> spheres, std::span<const KnownTarge
 
 }  // namespace
 
+Eigen::Matrix2d TargetFit::CovarianceAt(const Eigen::Vector2d& p_in_site) const {
+  const Eigen::Vector2d lever = p_in_site - middle_in_site;
+  const Eigen::Vector2d by_turn(-lever.y(), lever.x());
+  const double of_shift = 1.0 / static_cast<double>(residuals.size());
+  return sigma_m * sigma_m * (of_shift * Eigen::Matrix2d::Identity() + by_turn * by_turn.transpose() / plan_moment);
+}
+
 TargetFit FitTargets(std::span<const Vector3d> spheres, std::span<const KnownTarget> targets,
                      const TargetFitOptions& options) {
   TargetFit fit;
@@ -170,15 +206,7 @@ TargetFit FitTargets(std::span<const Vector3d> spheres, std::span<const KnownTar
     fit.message = Reason(spheres, targets, options.tolerance_m);
     return fit;
   }
-  const Points points = PointsOf(matches, spheres, targets);
-  fit.site_from_cloud = Rigid(points);
-  fit.rms_m = RmsOf(points, fit.site_from_cloud);
-  for (std::size_t i = 0; i < matches.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(i);
-    fit.residuals.push_back({targets[static_cast<std::size_t>(matches[i].target)].name, matches[i].sphere,
-                             fit.site_from_cloud * Vector3d(points.cloud.col(column)) - points.site.col(column)});
-  }
-  TestScale(points, &fit);
+  FitMatches(matches, spheres, targets, &fit);
   fit.usable = std::abs(fit.scale - 1.0) <= std::max(3.0 * fit.scale_sigma, kLargestScaleError);
   if (!fit.usable) fit.message = "the scale of the cloud differs from the targets' beyond its uncertainty";
   return fit;

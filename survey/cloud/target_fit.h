@@ -32,6 +32,12 @@ struct TargetFit {
   double rms_m = 0.0;        // of the lengths of the residuals
   double scale = 1.0;        // what a similarity fit takes
   double scale_sigma = 0.0;  // of it, from the residuals
+  double sigma_m = 0.0;      // of a target, per axis: as listed; by the residuals where they contradict that at 95 %
+  Eigen::Vector2d middle_in_site = Eigen::Vector2d::Zero();  // of the targets
+  double plan_moment = 0.0;                                  // sum of their squared distances from it, m2
+
+  // Covariance (m2) that the fit gives to whatever the cloud shows at a place: that of its shift and of its turn.
+  Eigen::Matrix2d CovarianceAt(const Eigen::Vector2d& p_in_site) const;
 };
 
 struct TargetFitOptions {

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "survey/features/arc_share.h"
 #include "survey/features/face_lines.h"
 #include "survey/features/face_place.h"
 
@@ -59,16 +60,10 @@ std::optional<Circle> FitCircle(const std::vector<HitCell>& cells) {
   return circle;
 }
 
-// Share of the full turn in which cells lie, in steps of 15 degrees.
-double ArcShare(const std::vector<HitCell>& cells, const Vector2d& centre) {
-  constexpr int kSectors = 24;
-  std::vector<bool> seen(kSectors, false);
-  for (const HitCell& cell : cells) {
-    const Vector2d out = cell.p - centre;
-    const double turn = std::atan2(out.y(), out.x()) / (2 * std::numbers::pi) + 0.5;
-    seen[static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1))] = true;
-  }
-  return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / kSectors;
+std::vector<Vector2d> PlacesOf(const std::vector<HitCell>& cells) {
+  std::vector<Vector2d> places;
+  for (const HitCell& cell : cells) places.push_back(cell.p);
+  return places;
 }
 
 constexpr double kMinArcShare = 0.6;
@@ -101,7 +96,7 @@ std::optional<Centre> RoundCentre(const std::vector<FaceCell>& cells, std::span<
   std::optional<Circle> circle;
   for (int round = 0; round < 3; ++round) {  // the wall's cells, then the hits about their circle
     circle = FitCircle(outline);
-    if (!circle || circle->radius > max_radius_m || ArcShare(outline, circle->centre) < kMinArcShare)
+    if (!circle || circle->radius > max_radius_m || ArcShare(PlacesOf(outline), circle->centre) < kMinArcShare)
       return std::nullopt;
     outline = OnCircle(hits, *circle, 1.5 * cell_size_m);
   }

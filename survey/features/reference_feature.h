@@ -8,14 +8,14 @@
 #include <span>
 
 #include "survey/features/feature.h"
+#include "survey/features/point_lines.h"
 
 namespace survey {
 
 struct ReferenceFeatureOptions {
   double search_radius_m = 0.4;  // a feature is looked for this far from its rough place
   double face_length_m = 0.8;    // faces are followed this far
-  double tolerance_m = 0.008;    // of a point from its line or circle
-  int min_points = 12;           // of a face
+  PointLineOptions lines;        // of circles too
 };
 
 // `points` are those around the rough place, site frame (m). What is not seen, or could be two things, is not found and

@@ -28,13 +28,15 @@ class Station {
     origin_ = {place.x(), place.y(), spec_.scanner_height_m};
   }
 
+  // Corners need dense lines, not dense faces.
   void ScanBuilding(std::vector<Eigen::Vector3f>* cloud) {
     const auto columns = static_cast<int>(std::round(2.0 * std::numbers::pi / spec_.step_rad));
-    const auto rows = static_cast<int>(std::floor(1.0 / spec_.step_rad));  // to 57 degrees above and below
-    // Every eighth row: corners need dense lines, not dense faces.
-    for (int row = -rows; row <= rows; row += 8) {
+    std::vector<double> level_ranges;
+    for (int column = 0; column < columns; ++column) level_ranges.push_back(LevelRange(column * spec_.step_rad));
+    for (int row = -kRows; row <= kRows; ++row) {
       for (int column = 0; column < columns; ++column)
-        Measure(DirectionOf(column * spec_.step_rad, row * spec_.step_rad), cloud);
+        Measure(DirectionOf(column * spec_.step_rad, row * kRowStep_rad),
+                level_ranges[static_cast<std::size_t>(column)], cloud);
     }
   }
 
@@ -48,17 +50,22 @@ class Station {
     const double elevation = std::asin(to_centre.z() / distance);
     for (int row = -steps; row <= steps; ++row) {
       for (int column = -steps; column <= steps; ++column) {
-        Measure(DirectionOf(azimuth + column * spec_.target_step_rad, elevation + row * spec_.target_step_rad), cloud);
+        const double turn = azimuth + column * spec_.target_step_rad;
+        Measure(DirectionOf(turn, elevation + row * spec_.target_step_rad), LevelRange(turn), cloud);
       }
     }
   }
 
  private:
   static constexpr double kTargetReach = 15.0;
+  static constexpr double kRowStep_rad = 0.035;
+  static constexpr int kRows = 28;  // to 56 degrees above and below
 
-  void Measure(const Vector3d& direction, std::vector<Eigen::Vector3f>* cloud) {
+  // `level_range`: to the building in the plan.
+  void Measure(const Vector3d& direction, double level_range, std::vector<Eigen::Vector3f>* cloud) {
     const std::uint64_t index = index_++;
-    double range = std::min({RangeToSpheres(direction), RangeToBuilding(direction), RangeToSlabs(direction)});
+    const double to_building = level_range / direction.head<2>().norm();
+    double range = std::min({RangeToSpheres(direction), to_building, RangeToSlabs(direction)});
     if (range > spec_.range_max_m) return;
     range += spec_.noise_m * noise_.Normal(index);
     const Vector3d p_in_plan = origin_ + range * direction;
@@ -68,9 +75,8 @@ class Station {
   }
 
   // Walls, pillars and cars taken as upright; the scanner looks through glass.
-  double RangeToBuilding(const Vector3d& direction) const {
-    const double level = direction.head<2>().norm();
-    return building_.Cast(origin_.head<2>(), direction.head<2>() / level, spec_.range_max_m).range_m / level;
+  double LevelRange(double azimuth) const {
+    return building_.Cast(origin_.head<2>(), {std::cos(azimuth), std::sin(azimuth)}, spec_.range_max_m).range_m;
   }
 
   double RangeToSlabs(const Vector3d& direction) const {

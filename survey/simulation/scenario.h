@@ -165,7 +165,7 @@ struct ReferenceSpec {
   double sphere_radius_m = 0.0725;
   double scanner_height_m = 1.6;
   double ceiling_m = 2.6;
-  double step_rad = 0.0043633;          // between the points of the building
+  double step_rad = 0.00174533;         // between the points of the building along a level line
   double target_step_rad = 0.00087266;  // around the spheres
   double range_max_m = 40.0;
   double noise_m = 0.002;

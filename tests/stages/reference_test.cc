@@ -3,11 +3,13 @@
 // Cloud files, and plumbline-reference on the small garage's simulated scanner against the exact truth.
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
 
+#include "formats/artefacts.h"
 #include "formats/atomic_file.h"
 #include "formats/cloud_file.h"
 #include "formats/cloud_tiles.h"
@@ -160,6 +162,18 @@ class ReferenceStageTest : public testing::Test {
     EXPECT_EQ(status, 0);
     return field;
   }
+  static std::map<std::string, Eigen::Vector2d> Truth() {
+    std::map<std::string, Eigen::Vector2d> truth;
+    std::istringstream rows(formats::ReadWholeFile(Field() / "truth/features.csv"));
+    std::string line;
+    std::getline(rows, line);
+    for (std::string name, northing, easting; std::getline(rows, line);) {
+      std::istringstream row(line);
+      std::getline(row, name, ',') && std::getline(row, northing, ',') && std::getline(row, easting, ',');
+      truth[name] = {std::stod(easting), std::stod(northing)};
+    }
+    return truth;
+  }
   test_support::CommandResult Run(const std::string& targets, std::vector<std::string> slice = {"112.6", "114.4"}) {
     return test_support::RunCommand({"plumbline-reference", "--cloud", (Field() / "reference/cloud.ply").string(),
                                      "--targets", targets, "--features", (Field() / "control/features.csv").string(),
@@ -172,25 +186,67 @@ class ReferenceStageTest : public testing::Test {
 TEST_F(ReferenceStageTest, FeaturesLieWhereTheyAre) {
   const test_support::CommandResult result = Run((Field() / "reference/targets.csv").string());
   ASSERT_EQ(result.status, 0) << result.err;
-  std::map<std::string, Eigen::Vector2d> truth;
-  std::istringstream rows(formats::ReadWholeFile(Field() / "truth/features.csv"));
-  std::string line;
-  std::getline(rows, line);
-  for (std::string name, northing, easting; std::getline(rows, line);) {
-    std::istringstream row(line);
-    std::getline(row, name, ',') && std::getline(row, northing, ',') && std::getline(row, easting, ',');
-    truth[name] = {std::stod(easting), std::stod(northing)};
-  }
+  const std::map<std::string, Eigen::Vector2d> truth = Truth();
   const std::vector<survey::NamedFeature> features = formats::ReadFeaturesCsv(scratch_ / "out/features.csv");
-  // The scanner saw some pillars from one side only, and far corners by a dozen points: those are told, not guessed.
-  EXPECT_GE(features.size(), truth.size() / 2) << result.err;
+  // Of some pillars the scanner saw two faces only: those are told, not guessed.
+  EXPECT_GE(features.size(), truth.size() * 3 / 4) << result.err;
+  EXPECT_GE(std::count_if(features.begin(), features.end(),
+                          [](const auto& feature) { return feature.kind == survey::FeatureKind::kPillar; }),
+            4);
   double squares = 0.0;
+  double normalized = 0.0;
   for (const survey::NamedFeature& feature : features) {
-    const double error = (feature.position_in_site - truth.at(feature.name)).norm();
-    EXPECT_LT(error, 0.02) << feature.name;
-    squares += error * error;
+    const Eigen::Vector2d error = feature.position_in_site - truth.at(feature.name);
+    EXPECT_LT(error.norm(), 0.01) << feature.name;
+    squares += error.squaredNorm();
+    normalized += error.dot(feature.covariance.inverse() * error);
   }
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(features.size())), 0.006);
+  const auto count = static_cast<double>(features.size());
+  EXPECT_LT(std::sqrt(squares / count), 0.004);
+  // The targets' errors are the same for all features: two or three degrees of freedom, whatever their number.
+  EXPECT_LT(std::sqrt(normalized / (2 * count)), 1.6);
+  EXPECT_GT(std::sqrt(normalized / (2 * count)), 0.4);
+}
+
+// The map of a block, read at the features of the reference: what is found differs as both covariances say.
+TEST_F(ReferenceStageTest, TheMapShowsTheSameFeatures) {
+  ASSERT_EQ(Run((Field() / "reference/targets.csv").string()).status, 0);
+  const auto run = [&](std::vector<std::string> command) {
+    command.insert(command.begin() + 1, {"--quiet"});
+    const test_support::CommandResult result = test_support::RunCommand(command, scratch_.path().string());
+    EXPECT_EQ(result.status, 0) << result.err;
+  };
+  const std::string raw = Field() / "blocks/B1";
+  run({"plumbline-ingest", "--raw", raw + "/scans.csv", raw + "/imu.csv", raw + "/odometry.csv", "--marks",
+       raw + "/marks.csv", "--mark-sigma-m", "0.003", "--output", "session"});
+  run({"plumbline-track", "--session", "session", "--output", "track"});
+  run({"plumbline-loops", "--session", "session", "--track", "track", "--output", "loops"});
+  run({"plumbline-network", "--control", Field() / "control/points.csv", "--crs", "EPSG:25832", "--marks",
+       "B1=" + raw + "/marks.csv", "--output", "control"});
+  run({"plumbline-adjust", "--track", "track", "--loops", "loops", "--control", "control", "--output", "solution"});
+  run({"plumbline-grid", "--session", "session", "--solution", "solution", "--output", "grid.tif"});
+  run({"plumbline-features", "--map", "grid.tif", "--session", "session", "--solution", "solution", "--features",
+       "out/features.csv", "--output", "features"});
+  std::map<survey::FeatureKind, int> found;
+  double normalized = 0.0;
+  const std::vector<survey::NamedFeature> reference = formats::ReadFeaturesCsv(scratch_ / "out/features.csv");
+  const std::vector<survey::MapFeature> in_map = formats::ReadFeatures(scratch_ / "features");
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    ASSERT_EQ(in_map.at(i).name, reference[i].name);
+    if (!in_map[i].found) continue;
+    ++found[reference[i].kind];
+    const Eigen::Vector2d difference = in_map[i].position_in_site - reference[i].position_in_site;
+    EXPECT_LT(difference.norm(), 0.025) << reference[i].name;  // half a cell
+    normalized += difference.dot((in_map[i].covariance + reference[i].covariance).inverse() * difference);
+  }
+  EXPECT_GE(found[survey::FeatureKind::kCorner], 12);
+  EXPECT_GE(found[survey::FeatureKind::kPillar], 1);
+  const int count = found[survey::FeatureKind::kCorner] + found[survey::FeatureKind::kPillar];
+  EXPECT_NEAR(std::sqrt(normalized / (2 * count)), 1.0, 0.5);  // four control points: few degrees of freedom
+}
+
+TEST_F(ReferenceStageTest, WhatCannotBePlacedIsRefused) {
+  ASSERT_EQ(Run((Field() / "reference/targets.csv").string()).status, 0);
   const std::string before = formats::ReadWholeFile(scratch_ / "out/reference.json");
   EXPECT_NE(before.find("\"scale_minus_one_ppm\""), std::string::npos);
   formats::WriteFileAtomically(scratch_ / "two.csv",

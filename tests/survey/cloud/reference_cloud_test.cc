@@ -3,7 +3,9 @@
 // A scanner's cloud from simulated surfaces: spheres, targets, features.
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "survey/cloud/checkerboard_targets.h"
@@ -161,6 +163,28 @@ TEST(TargetFitTest, NamesWhatIsWrong) {
   EXPECT_NE(scaled.message.find("scale"), std::string::npos) << scaled.message;
 }
 
+// What the fit brings into the places is as large as it says, in the middle of the targets and beyond them.
+TEST(TargetFitTest, ItsCovarianceIsHonest) {
+  constexpr std::uint32_t kFits = 300;
+  for (const Vector3d& place : {Vector3d(3, 4, 1), Vector3d(25, -10, 1)}) {
+    double normalized = 0.0;
+    for (std::uint32_t i = 0; i < kFits; ++i) {
+      const RandomStream random(8, 0, i);
+      std::vector<KnownTarget> targets = Known(kCentres);
+      std::uint64_t draw = 0;
+      for (KnownTarget& target : targets) {
+        for (double& axis : target.position_in_site) axis += target.sigma_m * random.Normal(draw++);
+      }
+      const TargetFit fit = FitTargets(kCentres, targets, {});
+      ASSERT_TRUE(fit.usable) << fit.message;
+      const Eigen::Vector2d truth = (SiteFromCloud() * place).head<2>();
+      const Eigen::Vector2d error = (fit.site_from_cloud * place).head<2>() - truth;
+      normalized += error.dot(fit.CovarianceAt(truth).inverse() * error);
+    }
+    EXPECT_NEAR(std::sqrt(normalized / (2.0 * kFits)), 1.0, 0.1) << place.transpose();
+  }
+}
+
 // A square pillar of 0.5 m about (100, 200) and a round one of 0.6 m about (105, 200), points of 2 mm noise.
 std::vector<Eigen::Vector2d> Slice() {
   const RandomStream random(6, 0, 0);
@@ -196,6 +220,62 @@ TEST(ReferenceFeatureTest, CornersAndCentres) {
   EXPECT_FALSE(locate(FeatureKind::kCorner, {105, 200}).found);     // a round pillar has none
   EXPECT_FALSE(locate(FeatureKind::kCorner, {100, 200.25}).found);  // two corners are as near
   EXPECT_EQ(locate(FeatureKind::kCorner, {50, 50}).reason, "the reference has too few points near");
+}
+
+// Points every 10 mm on the first faces of a square of 0.5 m about the origin, turned.
+std::vector<Eigen::Vector2d> FacesSeen(int num_faces, double turn, const RandomStream& random) {
+  std::vector<Eigen::Vector2d> points;
+  std::uint64_t draw = 0;
+  for (int face = 0; face < num_faces; ++face) {
+    const Eigen::Rotation2Dd rotation(turn + face * M_PI / 2);
+    for (double along = -0.245; along < 0.25; along += 0.01)
+      points.push_back(rotation * Eigen::Vector2d(0.25 + kNoise * random.Normal(draw++), along));
+  }
+  return points;
+}
+
+// Two fifths of a round pillar of 0.6 m.
+std::vector<Eigen::Vector2d> ArcSeen(double turn, const RandomStream& random) {
+  std::vector<Eigen::Vector2d> points;
+  std::uint64_t draw = 0;
+  for (double angle = turn; angle < turn + 0.45 * 2 * M_PI; angle += 0.033)
+    points.push_back(Eigen::Rotation2Dd(angle) * Eigen::Vector2d(0.3 + kNoise * random.Normal(draw++), 0.0));
+  return points;
+}
+
+TEST(ReferenceFeatureTest, SigmasAreHonest) {
+  enum Scene { kCornerOfTwo, kThreeFaces, kFourFaces, kArc };
+  for (const Scene scene : {kCornerOfTwo, kThreeFaces, kFourFaces, kArc}) {
+    constexpr std::uint32_t kScans = 60;
+    double normalized = 0.0;
+    for (std::uint32_t i = 0; i < kScans; ++i) {
+      const RandomStream random(10, scene, i);
+      const double turn = 6.28 * random.Uniform(100000);
+      const std::vector<Eigen::Vector2d> points =
+          scene == kArc ? ArcSeen(turn, random) : FacesSeen(std::array{2, 3, 4}[scene], turn, random);
+      NamedFeature wanted{.name = "F", .kind = scene == kCornerOfTwo ? FeatureKind::kCorner : FeatureKind::kPillar};
+      if (scene == kCornerOfTwo) wanted.position_in_site = Eigen::Rotation2Dd(turn) * Eigen::Vector2d(0.25, 0.25);
+      const MapFeature found = LocateInReference(points, wanted, {});
+      ASSERT_TRUE(found.found) << scene << " " << i << ": " << found.reason;
+      const Eigen::Vector2d error = found.position_in_site - wanted.position_in_site;
+      EXPECT_LT(error.norm(), 0.005);
+      normalized += error.dot(found.covariance.inverse() * error);
+    }
+    EXPECT_NEAR(std::sqrt(normalized / (2.0 * kScans)), 1.0, 0.2) << scene;
+  }
+}
+
+TEST(ReferenceFeatureTest, TwoFacesAreNoPillar) {
+  const RandomStream random(11, 0, 0);
+  const auto reason = [&](const std::vector<Eigen::Vector2d>& points) {
+    return LocateInReference(points, {.name = "F", .kind = FeatureKind::kPillar}, {}).reason;
+  };
+  EXPECT_EQ(reason(FacesSeen(2, 0.3, random)), "neither a circle nor three faces are seen");
+  std::vector<Eigen::Vector2d> longer = FacesSeen(3, 0.0, random);  // no square: its sides are 0.7 m long
+  for (double y : {-0.25, 0.25}) {
+    for (double x = -0.25; x > -0.45; x -= 0.01) longer.emplace_back(x, y);
+  }
+  EXPECT_EQ(reason(longer), "neither a circle nor three faces are seen");
 }
 
 }  // namespace

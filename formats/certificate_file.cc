@@ -32,8 +32,8 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(QuantileEstimate, value, upper_95)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ErrorStatistics, num_errors, num_points, num_independent, mean, rmse_by_axis, rmse,
                                    rmse_survey, rmse_product, max, nssda_95, length_68, length_95, covariance, nmad,
                                    ce95, effective_dof, rmse_bounds_95, rmse_upper_95, rmse_product_upper_95, bias)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassVerdict, class_m, meets, demonstrated, bias_within, blunders, num_beyond_95,
-                                   largest_rate_beyond_95)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ClassVerdict, class_m, meets, demonstrated, bias_within, bias_power, blunders,
+                                   num_beyond_95, largest_rate_beyond_95)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(FitResidual, block, point, given, residual, rigid_residual)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ControlVerdict, free_sigma_zero, rigid_rms, scale_deviation, scale_sigma, chi_square,
                                    degrees_of_freedom, chi_square_lower, chi_square_upper, critical_t, rejection_t,
@@ -93,7 +93,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "plumbline-certificate";
-constexpr int kVersion = 5;
+constexpr int kVersion = 6;
 
 }  // namespace
 

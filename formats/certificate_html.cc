@@ -88,6 +88,9 @@ class StatisticsTable {
     Verdict("meets the class", [](const ClassVerdict& v) { return v.meets ? "yes" : "no"; });
     Verdict("demonstrated at 95 %", [](const ClassVerdict& v) { return v.demonstrated ? "yes" : "no"; });
     Verdict("mean &lt; 25 % of class per axis [1]", [](const ClassVerdict& v) { return v.bias_within ? "yes" : "no"; });
+    Verdict("power to find such a bias", [](const ClassVerdict& v) {
+      return v.bias_power ? Fixed(100.0 * *v.bias_power, 0) + " %" : std::string(kDash);
+    });
     Verdict("errors &gt; 3 &times; class per axis [1]",
             [](const ClassVerdict& v) { return std::to_string(v.blunders.size()); });
     Verdict("checks &gt; 1.7308 &times; class; rate below (95 %)", [](const ClassVerdict& v) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "survey/accuracy/not_tested.h"
@@ -301,6 +302,20 @@ class Certifier {
   Certificate certificate_;
 };
 
+// Reference features that all lie far from all control are in another system, in other units, or exchanged.
+std::optional<std::string> OtherSystem(const CertifyInput& input) {
+  constexpr double kFar_m = 5000.0;
+  double nearest_m = std::numeric_limits<double>::max();
+  for (const NamedFeature& feature : input.reference_features) {
+    for (const ControlPoint& point : input.network.points)
+      nearest_m = std::min(nearest_m, (feature.position_in_site - point.position_in_site).norm());
+  }
+  if (input.reference_features.empty() || input.network.points.empty() || nearest_m < kFar_m) return std::nullopt;
+  return "the check features lie " + std::to_string(std::llround(nearest_m / 1000.0)) + " km from all control, " +
+         input.reference_features.front().name +
+         " the first of them: another coordinate system, other units, or northing and easting exchanged";
+}
+
 }  // namespace
 
 std::vector<std::string> FindContradictions(const CertifyInput& input) {
@@ -327,6 +342,7 @@ std::vector<std::string> FindContradictions(const CertifyInput& input) {
       found.push_back("check feature " + feature.name + " bears the name of a point of the control list");
     }
   }
+  if (const auto other_system = OtherSystem(input)) found.push_back(*other_system);
   return found;
 }
 

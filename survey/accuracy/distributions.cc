@@ -4,6 +4,7 @@
 #include <boost/math/distributions/beta.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/non_central_f.hpp>
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
@@ -13,6 +14,7 @@ namespace {
 using DoubleOnly = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 using ChiSquare = boost::math::chi_squared_distribution<double, DoubleOnly>;
 using Fisher = boost::math::fisher_f_distribution<double, DoubleOnly>;
+using NonCentralFisher = boost::math::non_central_f_distribution<double, DoubleOnly>;
 using Normal = boost::math::normal_distribution<double, DoubleOnly>;
 using Beta = boost::math::beta_distribution<double, DoubleOnly>;
 
@@ -32,6 +34,14 @@ double ChiSquareUpperTail(double value, double degrees_of_freedom) {
 
 double FisherUpperTail(double value, double numerator_dof, double denominator_dof) {
   return cdf(complement(Fisher(numerator_dof, denominator_dof), value));
+}
+
+double FisherQuantile(double probability, double numerator_dof, double denominator_dof) {
+  return quantile(Fisher(numerator_dof, denominator_dof), probability);
+}
+
+double NonCentralFisherUpperTail(double value, double numerator_dof, double denominator_dof, double non_centrality) {
+  return cdf(complement(NonCentralFisher(numerator_dof, denominator_dof, non_centrality), value));
 }
 
 double BetaQuantile(double probability, double alpha, double beta) { return quantile(Beta(alpha, beta), probability); }

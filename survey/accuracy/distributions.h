@@ -11,6 +11,11 @@ double NormalQuantile(double probability);
 double ChiSquareQuantile(double probability, double degrees_of_freedom);
 double ChiSquareUpperTail(double value, double degrees_of_freedom);
 double FisherUpperTail(double value, double numerator_dof, double denominator_dof);
+double FisherQuantile(double probability, double numerator_dof, double denominator_dof);
+
+// Probability of a larger value when the numerator has a non-centrality: the power of a test.
+double NonCentralFisherUpperTail(double value, double numerator_dof, double denominator_dof, double non_centrality);
+
 double BetaQuantile(double probability, double alpha, double beta);
 
 // Clopper-Pearson: the largest rate that `hits` of `trials` does not contradict, one-sided at `confidence`. 1 when all

@@ -56,6 +56,16 @@ std::optional<BiasTest> HotellingTest(const Eigen::Vector2d& mean, const Eigen::
   return BiasTest{t_squared, FisherUpperTail(t_squared * (n - 2) / (2.0 * (n - 1)), 2.0, n - 2.0)};
 }
 
+// Of a bias along east or north, whichever is harder to find. The inverse of a sample covariance is on average
+// (n-1)/(n-4) times the true one.
+std::optional<double> PowerOfBiasTest(const ErrorStatistics& statistics, double bias_m) {
+  const int n = statistics.num_points;
+  if (!statistics.bias || n < 5) return std::nullopt;
+  const Eigen::Matrix2d inverse = statistics.covariance->inverse() * (n - 4.0) / (n - 1.0);
+  const double non_centrality = n * bias_m * bias_m * inverse.diagonal().minCoeff();
+  return NonCentralFisherUpperTail(FisherQuantile(0.95, 2.0, n - 2.0), 2.0, n - 2.0, non_centrality);
+}
+
 void AddSpread(std::span<const PositionError> errors, ErrorStatistics* statistics) {
   const auto n = static_cast<double>(errors.size());
   const Eigen::Matrix2d second_moment = SecondMoment(errors);
@@ -123,6 +133,7 @@ std::optional<ClassVerdict> JudgeClass(std::span<const PositionError> errors, co
   verdict.meets = statistics.rmse_product <= class_m;
   verdict.demonstrated = statistics.rmse_product_upper_95 && *statistics.rmse_product_upper_95 <= class_m;
   verdict.bias_within = statistics.mean.cwiseAbs().maxCoeff() <= kLargestBiasFraction * class_per_axis;
+  verdict.bias_power = PowerOfBiasTest(statistics, kLargestBiasFraction * class_per_axis);
   std::set<int> beyond;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const Eigen::Vector2d& error = errors[i].error;

@@ -115,6 +115,42 @@ TEST(CertificateHtmlTest, SaysWhatTheCertificateSays) {
   EXPECT_TRUE(Has(html, std::string(64, 'a')));
 }
 
+// Errors (30, 0), (-10, 20), (10, -20), (10, 40) mm at checks of 14.1 mm an axis. By hand: sums of squares 1200 and
+// 2400, nu = 4 * 90^2 / (30^2 + 60^2) = 7.2, T2 = 3; quantiles of chi-square and the circle by numerical integration.
+TEST(CertificateHtmlTest, PrintsTheNumbersThatAHandComputes) {
+  survey::CertifyInput input{.site = "s", .network = {.frame = {.crs = "EPSG:25832"}}, .class_m = 0.1};
+  survey::CertifiedBlock block{.name = "B1"};
+  block.solution.tied = true;
+  block.solution.frame = input.network.frame;
+  const Eigen::Vector2d errors[] = {{0.03, 0}, {-0.01, 0.02}, {0.01, -0.02}, {0.01, 0.04}};
+  for (const Eigen::Vector2d& error : errors) {
+    const std::string name = "F" + std::to_string(block.features.size());
+    const Eigen::Vector2d place(7.0 * static_cast<double>(block.features.size()), 5);
+    input.reference_features.push_back(
+        {.name = name, .position_in_site = place, .covariance = 2e-4 * Eigen::Matrix2d::Identity()});
+    block.features.push_back({.name = name, .found = true, .position_in_site = place + error});
+  }
+  input.blocks.push_back(block);
+  formats::CertificatePage page;
+  page.certificate = survey::Certify(input);
+  page.provenance.records = {{.stage = "report", .version = "1"}};
+  const std::string html = formats::CertificateHtml(page);
+  for (const auto& [name, number] : {std::pair{"map &minus; check", "30.0"},
+                                     {"of the checks", "20.0"},
+                                     {"H2&sup2;)</b> [1]", "<b>36.1</b>"},
+                                     {"RMSE east / north", "17.3 / 24.5"},
+                                     {"95 % interval", "19.9 to 60.2"},
+                                     {"upper 95 % bound", "57.0"},
+                                     {"CE95, exact", "58.6"},
+                                     {"NSSDA [2]", "51.9"},
+                                     {"mean error east / north", "10.0 / 10.0"},
+                                     {"bias test, p", "0.500"},
+                                     {"(robust)", "14.8 / 29.7"},
+                                     {"68.3 % / 95 %", "30.6 / 39.5"},
+                                     {"largest error", "41.2"}})
+    EXPECT_TRUE(Has(html, std::string(name) + "</td><td class=\"num\">" + number + "</td>")) << name;
+}
+
 TEST(CertificateHtmlTest, StandsAloneAndEscapes) {
   const std::string html = formats::CertificateHtml(Page(true));
   EXPECT_TRUE(Has(html, "Parking &lt;garage&gt; &amp; ramp"));

@@ -189,6 +189,11 @@ TEST(CertifyTest, FindsChecksThatAreControl) {
   CertifyInput twice = Input();
   twice.reference_features.push_back(twice.reference_features[0]);
   EXPECT_EQ(FindContradictions(twice).at(0), "feature F1 is listed twice");
+  CertifyInput exchanged = Input();
+  for (NamedFeature& each : exchanged.reference_features) each.position_in_site += Eigen::Vector2d(5100000, -5100000);
+  ASSERT_EQ(FindContradictions(exchanged).size(), 1U);
+  EXPECT_NE(FindContradictions(exchanged)[0].find("lie 7212 km from all control, F1 the first of them"),
+            std::string::npos);
   CertifyInput frames = Input();
   frames.network.frame.crs = "EPSG:25833";
   EXPECT_EQ(FindContradictions(frames).size(), 2U);

@@ -162,10 +162,11 @@ joint-report := $(if $(joint-blocks),work/joint.json)
 site-blocks := $(if $(filter 1,$(words $(blocks))),$(blocks),$(tied-blocks))
 local-blocks := $(filter-out $(site-blocks),$(blocks))
 site-map := $(if $(site-blocks),out/site.tif)
+float-archive := $(if $(findstring float-archive = true,$(file <work/config/stitch.toml)),$(if $(site-map),out/site-log-odds.tif))
 picture-of = $(1).png $(1).pgw $(1).png.aux.xml
 
 $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(blocks),solution.sqlite),\
-  $(if $(site-map),$(site-map) $(call picture-of,out/site) $(addprefix out/ros/,map.yaml map_local.yaml map.pgm))\
+  $(float-archive) $(if $(site-map),$(site-map) $(call picture-of,out/site) $(addprefix out/ros/,map.yaml map_local.yaml map.pgm))\
   $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json out/seams.geojson,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 

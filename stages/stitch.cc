@@ -81,6 +81,13 @@ void WriteMap(const fs::path& tif, const survey::RasterStrips& map, const format
   formats::WritePngMap(fs::path(tif).replace_extension(".png"), map, label);
 }
 
+// The log-odds themselves, for whoever wants to compute with them.
+void WriteArchive(bool wanted, const fs::path& tif, const survey::RasterStrips& map, const formats::RasterLabel& label,
+                  const formats::Provenance& provenance) {
+  if (!wanted) fs::remove(tif);
+  if (wanted) formats::WriteRaster(tif, map.read(map.frame.min_row, map.frame.height), label, provenance);
+}
+
 void RemoveMap(const fs::path& tif) {
   for (const char* extension : {".tif", ".png", ".pgw", ".png.aux.xml"}) {
     fs::remove(fs::path(tif).replace_extension(extension));
@@ -215,6 +222,7 @@ int main(int argc, char** argv) {
   std::vector<pipeline::NamedFile> solutions;
   fs::path output;
   SeamSearch search;
+  bool archive = false;
   stage.NamedInputs("map", &maps, "map of each block", true);
   stage.NamedInputs("solution", &solutions, "solution of each block", true);
   stage.Output("output", &output, "folder for site.tif, site.png, ros/, local/, seams.json and seams.geojson");
@@ -226,6 +234,7 @@ int main(int argc, char** argv) {
                "a wall within this of a wall in the other map is not contradicted (m)", {.min = 0.0, .max = 2.0});
   stage.Option("seam-min-overlap-m2", &search.min_overlap_m2,
                "two maps are compared where both have seen this much (m2)", {.min = 0.0});
+  stage.Option("float-archive", &archive, "true: site-log-odds.tif too, the log-odds of the site map as Float32");
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     const std::vector<BlockMap> blocks = ReadMaps(maps, solutions);
     std::vector<const BlockMap*> site_blocks;
@@ -253,6 +262,7 @@ int main(int argc, char** argv) {
       const survey::RasterStrips mosaic = survey::MosaicOf(site_maps, {});
       WriteMap(site, mosaic, report.label, run.Provenance());
       formats::WriteRosMap(output / "ros", mosaic, report.label);
+      WriteArchive(archive, output / "site-log-odds.tif", mosaic, report.label, run.Provenance());
       report.seams = CompareAll(site_blocks, search, run);
     }
     formats::WriteSeams(output / "seams.json", report, run.Provenance());

@@ -63,12 +63,13 @@ class StitchTest : public testing::Test {
                        "--output", Path(name, "map.tif"), "--report", Path(name, "edits.json")});
   }
 
-  CommandResult Stitch(const std::vector<std::string>& names) {
+  CommandResult Stitch(const std::vector<std::string>& names, const std::vector<std::string>& more = {}) {
     std::vector<std::string> command = {"plumbline-stitch", "--map"};
     for (const std::string& name : names) command.push_back(name + "=" + Path(name, "map.tif"));
     command.push_back("--solution");
     for (const std::string& name : names) command.push_back(name + "=" + Path(name, "solution.sqlite"));
     command.insert(command.end(), {"--output", out_.string()});
+    command.insert(command.end(), more.begin(), more.end());
     return RunCommand(command);
   }
 
@@ -99,6 +100,20 @@ TEST_F(StitchTest, TiedBlocksMakeTheSite) {
   EXPECT_NEAR(seams["seams"][0]["overlap_area_m2"].get<double>(), 4 * 8, 1e-6);
   EXPECT_EQ(formats::ReadProvenance(out_ / "site.tif").Own().Id(),
             formats::ReadProvenance(out_ / "seams.json").Own().Id());
+}
+
+TEST_F(StitchTest, TheLogOddsAreArchivedOnRequest) {
+  MakeBlock("B1", true, 0);
+  ASSERT_EQ(Edit("B1").status, 0);
+  ASSERT_EQ(Stitch({"B1"}, {"--float-archive", "true"}).status, 0);
+  formats::RasterLabel label;
+  const survey::SiteRaster archive = formats::ReadRaster(out_ / "site-log-odds.tif", &label);
+  EXPECT_EQ(archive.log_odds, formats::ReadRaster(Path("B1", "map.tif")).log_odds);
+  EXPECT_EQ(label.frame.crs, "EPSG:25832");
+  const std::string info = RunCommand({"gdalinfo", (out_ / "site-log-odds.tif").string()}).out;
+  EXPECT_NE(info.find("Type=Float32"), std::string::npos) << info;
+  ASSERT_EQ(Stitch({"B1"}).status, 0);
+  EXPECT_FALSE(fs::exists(out_ / "site-log-odds.tif"));
 }
 
 TEST_F(StitchTest, BlocksThatContradictEachOtherAreNamed) {

@@ -16,7 +16,7 @@ const kSiteFromRoom = [500108.3, 5600204.6, (37 * Math.PI) / 180];
 const kControl = { 1: [500102, 5600202], 2: [500106, 5600202], 3: [500106, 5600208], 4: [500110, 5600202] };
 
 const site = process.argv[2];
-const [request] = writeRequests(site, 2);
+const [request, confirmed] = writeRequests(site, 2); // of block A and of block B
 const server = await startServer(site);
 const browser = await startBrowser();
 const page = await openPage(browser, server.link, { width: 1280, height: 800 });
@@ -82,8 +82,9 @@ for (let i = 0; i < 4; ++i) {
   const name = (await status()).match(/aim at point (\w+)/)[1];
   await aimAt(kControl[name]);
 }
-assert.match(await status(), /4 points, rms \d+ mm/);
-console.log(`aligned: ${await status()}`);
+const aligned = await status();
+assert.match(aligned, /4 points, rms \d+ mm/);
+console.log(`aligned: ${aligned}`);
 await choose("import");
 
 // The menu in the room stands 0.8 m before the viewer; its third button draws a line.
@@ -116,9 +117,11 @@ await choose("pose");
 await aimAt(stood);
 await aimAt([stood[0], stood[1] + 3]);
 await told("1 answers to send");
+await choose("confirm"); // the next scan lies where it was estimated
+await told("2 answers to send");
 await page.screenshot({ path: join(site, "ar.png") });
 await choose("send");
-await told("sent 4 edits, 1 answers");
+await told("sent 4 edits, 2 answers");
 await browser.close();
 await server.stop();
 
@@ -138,11 +141,22 @@ for (const { kind, geometry, frame, sigma_m: sigma } of lines) {
 console.log(`worst vertex: ${(1000 * worst).toFixed(0)} mm`);
 assert.ok(worst < kBound_m);
 
-const [file] = readdirSync(join(site, "blocks", "A", "answers"));
-const answer = JSON.parse(readFileSync(join(site, "blocks", "A", "answers", file), "utf8"));
-const { reference } = request;
-const [c, s] = [Math.cos(reference.theta), Math.sin(reference.theta)];
-const placed = [reference.x + c * answer.pose[0] - s * answer.pose[1], reference.y + s * answer.pose[0] + c * answer.pose[1]];
+function answerOf(block) {
+  const [file] = readdirSync(join(site, "blocks", block, "answers"));
+  return JSON.parse(readFileSync(join(site, "blocks", block, "answers", file), "utf8"));
+}
+const answer = answerOf("A");
+// Measured on control: in the site, as sure as the alignment.
 assert.equal(answer.decision, "correct");
-assert.ok(Math.hypot(placed[0] - stood[0], placed[1] - stood[1]) < kBound_m, `${placed}, meant ${stood}`);
-assert.ok(Math.abs(Math.sin(answer.pose[2] + reference.theta - Math.PI / 2)) < 0.03);
+assert.equal(answer.frame, "site");
+assert.equal(answer.ref, undefined);
+assert.ok(Math.hypot(answer.pose[0] - stood[0], answer.pose[1] - stood[1]) < kBound_m, `${answer.pose}, meant ${stood}`);
+assert.ok(Math.abs(Math.sin(answer.pose[2] - Math.PI / 2)) < 0.03);
+const rms = Math.max(0.01, Number(aligned.match(/rms (\d+) mm/)[1]) / 1000);
+const expected = [rms, rms, (Math.SQRT2 * rms) / 3];
+for (const k of [0, 1, 2]) assert.ok(Math.abs(answer.sigma[k] - expected[k]) < 0.001, `${answer.sigma}, expected ${expected}`);
+const eye = answerOf("B");
+assert.equal(eye.decision, "confirm");
+assert.equal(eye.frame, "site");
+assert.ok(Math.hypot(eye.pose[0] - confirmed.estimate.x, eye.pose[1] - confirmed.estimate.y) < 0.001);
+assert.ok(Math.abs(eye.sigma[0] - Math.hypot(0.2, rms)) < 0.001, `${eye.sigma}`);

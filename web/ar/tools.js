@@ -2,10 +2,11 @@
 //
 // What a person does in the room, point by point on the floor; kept until it is sent. Needs no headset: points come from
 // outside.
-import { additionOf, answerWithPose, poseOf } from "shared/decisions.js";
+import { additionOf, answerInSite, poseOf } from "shared/decisions.js";
 
 const kLeastSigma_m = 0.01;
 const kLeastArrowSigma_m = 0.05; // a person does not outweigh control
+const kByEye = [0.2, 0.2, 0.07]; // of a pose that is confirmed (m, m, rad)
 const kLineWidth_m = 0.1;
 const kPointsNeeded = { line: 2, region: 2, adjust: 2, pose: 2 };
 
@@ -42,7 +43,7 @@ export class ArTools {
       this.tool = null;
       return "align first: aim at two control points that lie apart";
     }
-    if (tool === "confirm") return this.#answer("confirm", about);
+    if (tool === "confirm") return this.#confirm(about);
     if (tool === "undo") return this.#undo();
     if (tool === "pose") return "aim at where the lidar stood, then ahead of it";
     return tool === "forbidden" ? "aim at the corners, then press the button again" : "aim at two points";
@@ -84,9 +85,10 @@ export class ArTools {
       case "adjust":
         return this.#add({ type: "MultiLineString", coordinates: [points] }, { kind: "adjust" }, about);
       default: {
-        const heading = Math.atan2(points[1][1] - points[0][1], points[1][0] - points[0][0]);
-        this.siteFromScan = [...points[0], heading];
-        return this.#answer("correct", about);
+        const [east, north] = [points[1][0] - points[0][0], points[1][1] - points[0][1]];
+        this.siteFromScan = [...points[0], Math.atan2(north, east)];
+        const sigma = this.#sigmaOf("pose");
+        return this.#answer("correct", [sigma, sigma, (Math.SQRT2 * sigma) / Math.hypot(east, north)], about);
       }
     }
   }
@@ -110,10 +112,17 @@ export class ArTools {
     return `${attributes.kind}: ${this.edits.length} to send`;
   }
 
-  #answer(decision, about) {
+  // The scan lies on the walls of the room as the alignment shows it.
+  #confirm(about) {
+    const sigma = this.#sigmaOf("pose");
+    return this.#answer("confirm", [Math.hypot(kByEye[0], sigma), Math.hypot(kByEye[1], sigma), kByEye[2]], about);
+  }
+
+  // Measured on control points, so in the site: no earlier scan takes part.
+  #answer(decision, sigma, about) {
     this.tool = null;
-    if (!this.request?.reference) return "there is no open request";
-    const answer = answerWithPose(this.request, decision, this.siteFromScan, about);
+    if (!this.request) return "there is no open request";
+    const answer = answerInSite(this.request, decision, this.siteFromScan, about, sigma);
     const { stamp_ns: stamp, block } = this.request;
     this.answers = [...this.answers.filter((kept) => kept.answer.stamp_ns !== stamp), { block, answer }];
     this.request = this.requests[this.requests.indexOf(this.request) + 1] ?? null;

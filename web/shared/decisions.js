@@ -25,13 +25,18 @@ export function takesPose({ reference, block }, blocks) {
 // A scan's pose is given in the frame of the request's reference: true wherever an adjustment moves both. Where there is
 // no earlier scan to refer to, it is given in the site.
 export function answerWithPose(request, decision, siteFromScan, about) {
-  const answer = answerTo(request, decision, about);
-  if (request.reference === null) return { ...answer, frame: "site", pose: roundedPose(siteFromScan) };
+  if (request.reference === null) return answerInSite(request, decision, siteFromScan, about);
   return {
-    ...answer,
+    ...answerTo(request, decision, about),
     ref: { stamp_ns: request.reference.stamp_ns },
     pose: roundedPose(between(poseOf(request.reference), siteFromScan)),
   };
+}
+
+// A pose in the site, as it is measured on control points. `sigma`: [m, m, rad]; that of the decision when missing.
+export function answerInSite(request, decision, siteFromScan, about, sigma) {
+  const answer = { ...answerTo(request, decision, about), frame: "site", pose: roundedPose(siteFromScan) };
+  return sigma ? { ...answer, sigma: sigma.map((value) => round(value, 4)) } : answer;
 }
 
 export function answerTo(request, decision, about) {

@@ -21,7 +21,7 @@ using survey::FindingKind;
 using survey::MapEdit;
 
 constexpr const char* kFormat = "plumbline-block-edits";
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;
 constexpr std::array kFindingKinds = {FindingKind::kConflict, FindingKind::kStale, FindingKind::kEditReview};
 
 double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
@@ -42,6 +42,7 @@ json AppliedToJson(const AppliedEdit& applied) {
   edit.anchors.clear();
   edit.beams.clear();
   return {{"edit", ToJson(edit)},
+          {"drawn", applied.drawn.empty() ? json() : GeometryToJson(AsDrawn(applied))},
           {"aslam_type", survey::AslamType(edit.obstacle)},
           {"changed_cells", applied.changed_cells},
           {"vertices", applied.vertices},
@@ -52,8 +53,17 @@ json AppliedToJson(const AppliedEdit& applied) {
           {"area_change", Rounded(applied.area_change)}};
 }
 
+// The parts before the scans moved them: of an edit that differs from the applied one in its geometry.
+std::vector<std::vector<Eigen::Vector2d>> DrawnFromJson(const json& object, const std::string& where) {
+  if (object.at("drawn").is_null()) return {};
+  json drawn = object.at("edit");
+  drawn["geometry"] = object["drawn"];
+  return MovedEditFromJson(drawn, where).parts;
+}
+
 AppliedEdit AppliedFromJson(const json& object, const std::string& where) {
-  return {.edit = EditFromJson(object.at("edit"), where),
+  return {.edit = MovedEditFromJson(object.at("edit"), where),
+          .drawn = DrawnFromJson(object, where),
           .changed_cells = object.at("changed_cells").get<std::int64_t>(),
           .vertices = object.at("vertices").get<int>(),
           .anchored = object.at("anchored").get<int>(),
@@ -64,13 +74,17 @@ AppliedEdit AppliedFromJson(const json& object, const std::string& where) {
 }
 
 json FindingToJson(const EditFinding& finding) {
-  return {{"kind", Name(finding.kind)}, {"uids", finding.uids}, {"message", finding.message}};
+  return {{"kind", Name(finding.kind)},
+          {"uids", finding.uids},
+          {"message", finding.message},
+          {"size_m", Rounded(finding.size_m)}};
 }
 
 EditFinding FindingFromJson(const json& object, const std::string& where) {
   for (const FindingKind kind : kFindingKinds) {
     if (object.at("kind") != Name(kind)) continue;
-    return {kind, object.at("uids").get<std::vector<std::string>>(), object.at("message").get<std::string>()};
+    return {kind, object.at("uids").get<std::vector<std::string>>(), object.at("message").get<std::string>(),
+            object.at("size_m").get<double>()};
   }
   throw DataError(where + ": findings: kind = " + JsonText(object.at("kind")) + ": is not known");
 }

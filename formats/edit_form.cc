@@ -42,6 +42,10 @@ std::string NotNull(const std::string& field) {
          "\" constraints=\"1\" notnull_strength=\"1\" unique_strength=\"0\" exp_strength=\"0\"/>";
 }
 
+std::string Alias(const std::string& field, const std::string& shown) {
+  return "<alias field=\"" + field + "\" name=\"" + Escaped(shown) + "\"/>";
+}
+
 Choices Kinds(bool area) {
   Choices choices;
   for (const survey::EditKind kind : survey::kEditKinds) {
@@ -65,12 +69,14 @@ Choices Classes() {
 
 std::string EditFormQml(bool area) {
   return "<fieldConfiguration>" + Hidden("uid") + ValueMap("kind", Kinds(area)) + ValueMap("class", Classes()) +
-         (area ? Hidden("width_m") : "") +
+         (area ? Hidden("width_m") : Hidden("from_ns") + Hidden("until_ns")) +
          ValueMap("frame", {{"drawn on the map: moves with it", "map"}, {"measured on site: stays", "site"}}) +
          "</fieldConfiguration>\n<defaults>" + Default("uid", "uuid('WithoutBraces')") +
          Default("kind", area ? "'area_free'" : "'line_occupied'") + Default("frame", "'map'") +
          Default("sigma_m", "0.05") + Default("who", "@user_account_name") + "</defaults>\n<constraints>" +
-         NotNull("kind") + NotNull("frame") + NotNull("who") + "</constraints>\n";
+         NotNull("kind") + NotNull("frame") + NotNull("who") + "</constraints>\n<aliases>" +
+         Alias("from_ns", "masked from (UTC or stamp)") + Alias("until_ns", "masked until (UTC or stamp)") +
+         "</aliases>\n";
 }
 
 }  // namespace formats

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
 
 #include "formats/errors.h"
 #include "formats/json_text.h"
+#include "formats/stamp_text.h"
 #include "survey/edits/map_arrow.h"
 
 namespace formats {
@@ -19,11 +19,9 @@ using survey::EditKind;
 using survey::MapEdit;
 using Points = std::vector<Eigen::Vector2d>;
 
-constexpr std::array kMembers = {"uid",        "kind",    "class",   "state", "geometry", "width_m",
-                                 "frame",      "sigma_m", "who",     "when",  "why",      "tool",
-                                 "supersedes", "basis",   "anchors", "beams", "rev"};
-
-constexpr int kMostBeams = 1000000;
+constexpr std::array kMembers = {"uid",     "kind",  "class", "state",   "geometry", "width_m",    "frame",
+                                 "sigma_m", "who",   "when",  "why",     "tool",     "supersedes", "basis",
+                                 "anchors", "beams", "rev",   "from_ns", "until_ns"};
 
 double Rounded(double value) { return std::round(value * 1e4) / 1e4; }
 
@@ -41,7 +39,7 @@ class EditReader {
  public:
   EditReader(const json& object, const std::string& where) : object_(object), where_(where) {}
 
-  MapEdit Read() {
+  MapEdit Read() const {
     if (!object_.is_object()) Fail("expected an object");
     CheckMembers();
     MapEdit edit;
@@ -51,6 +49,16 @@ class EditReader {
     ReadBlocks(&edit);
     CheckShape(edit);
     return edit;
+  }
+
+  void RequireSimple(const MapEdit& edit) const {
+    if (edit.kind == EditKind::kCells) return;
+    const auto crossing = survey::FindSelfCrossing(edit);
+    if (!crossing) return;
+    char text[96];
+    std::snprintf(text, sizeof text, "the polygon crosses or touches itself at %.3f %.3f", crossing->x(),
+                  crossing->y());
+    Fail(text);
   }
 
  private:
@@ -96,6 +104,15 @@ class EditReader {
     return value.get<double>();
   }
 
+  std::optional<survey::StampNs> Stamp(const char* key) const {
+    if (Has(key) && object_[key].is_number_integer()) return object_[key].get<survey::StampNs>();
+    const std::string text = Text(key);
+    if (text.empty()) return std::nullopt;
+    const std::optional<survey::StampNs> stamp = StampFromText(text);
+    if (!stamp) FailAt(key, text, "must be a scan's stamp in ns or a time in UTC as 2026-11-28T10:15:00Z");
+    return stamp;
+  }
+
   void ReadAttributes(MapEdit* edit) const {
     edit->uid = Text("uid");
     if (Has("rev")) {
@@ -110,6 +127,8 @@ class EditReader {
     if (Has("frame")) edit->frame = OneOf("frame", survey::kEditFrames);
     if (Has("sigma_m")) edit->sigma_m = Positive("sigma_m");
     if (Has("width_m")) edit->width_m = Positive("width_m");
+    edit->from_ns = Stamp("from_ns");
+    edit->until_ns = Stamp("until_ns");
     if (Has("state") || edit->kind == EditKind::kCells) edit->cells_state = OneOf("state", survey::kCellStates);
     if (!Has("supersedes")) return;
     for (const json& uid : Array("supersedes", object_["supersedes"])) {
@@ -180,6 +199,10 @@ class EditReader {
     if (edit.width_m && edit.kind != EditKind::kLineFree && edit.kind != EditKind::kLineOccupied)
       Fail("width_m is for lines, not for " + std::string(Name(edit.kind)));
     if (edit.cells_state && edit.kind != EditKind::kCells) Fail("state is for cells; other kinds name it");
+    if ((edit.from_ns || edit.until_ns) && edit.kind != EditKind::kMaskReturns)
+      Fail("from_ns and until_ns are for mask_returns, not for " + std::string(Name(edit.kind)));
+    if (edit.from_ns && edit.until_ns && *edit.until_ns < *edit.from_ns)
+      FailAt("until_ns", object_["until_ns"], "must not come before from_ns");
     for (const Points& part : edit.parts) {
       if (part.size() < 2) Fail("a line needs two points");
       if (edit.kind == EditKind::kAdjust && part.size() != 2) Fail("an arrow of adjust has two points: from, to");
@@ -188,13 +211,6 @@ class EditReader {
       FailAt("sigma_m", edit.sigma_m, "must be 0.05 or more for adjust: a person does not outweigh control");
     for (const auto& [block, anchors] : edit.anchors) {
       if (anchors.size() != NumVertices(edit)) Fail("anchors of block " + block + ": must be one for each vertex");
-    }
-    if (edit.kind == EditKind::kCells) return;
-    if (const auto crossing = survey::FindSelfCrossing(edit)) {
-      char text[96];
-      std::snprintf(text, sizeof text, "the polygon crosses or touches itself at %.3f %.3f", crossing->x(),
-                    crossing->y());
-      Fail(text);
     }
   }
 
@@ -268,7 +284,14 @@ void AddBlocks(const MapEdit& edit, json* object) {
 
 }  // namespace
 
-MapEdit EditFromJson(const json& object, const std::string& where) { return EditReader(object, where).Read(); }
+MapEdit EditFromJson(const json& object, const std::string& where) {
+  const EditReader reader(object, where);
+  const MapEdit edit = reader.Read();
+  reader.RequireSimple(edit);
+  return edit;
+}
+
+MapEdit MovedEditFromJson(const json& object, const std::string& where) { return EditReader(object, where).Read(); }
 
 json GeometryToJson(const MapEdit& edit) {
   const bool area = IsArea(edit.kind);
@@ -293,6 +316,8 @@ json ToJson(const MapEdit& edit) {
   if (edit.obstacle != survey::ObstacleClass::kNone) object["class"] = Name(edit.obstacle);
   if (edit.cells_state) object["state"] = Name(*edit.cells_state);
   if (edit.width_m) object["width_m"] = *edit.width_m;
+  if (edit.from_ns) object["from_ns"] = std::to_string(*edit.from_ns);
+  if (edit.until_ns) object["until_ns"] = std::to_string(*edit.until_ns);
   if (!edit.why.empty()) object["why"] = edit.why;
   if (!edit.tool.empty()) object["tool"] = edit.tool;
   if (!edit.supersedes.empty()) object["supersedes"] = edit.supersedes;

@@ -16,6 +16,9 @@ namespace formats {
 // number that is none. Whether there is a uid, a who and a when is the ledger's affair.
 survey::MapEdit EditFromJson(const nlohmann::json& object, const std::string& where);
 
+// The same of an edit that has moved with its scans: its rings may cross by then.
+survey::MapEdit MovedEditFromJson(const nlohmann::json& object, const std::string& where);
+
 // Coordinates rounded to 0.1 mm; what has its default is left out.
 nlohmann::json ToJson(const survey::MapEdit& edit);
 

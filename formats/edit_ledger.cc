@@ -34,7 +34,7 @@ bool IsTime(const std::string& text) {
   return std::regex_match(text, kTime);
 }
 
-// What each line must fulfil given the lines before it; keeps the edits that are active and those that were.
+// What each line must fulfil given the lines before it; keeps the edits that are active.
 class LedgerRules {
  public:
   // `where` begins every complaint.
@@ -60,7 +60,6 @@ class LedgerRules {
     if (line.operation == LedgerOperation::kModify) {
       *active = edit;
     } else {
-      retired_.push_back({*active, edit});
       active_.erase(active);
     }
   }
@@ -71,7 +70,6 @@ class LedgerRules {
   }
 
   const std::vector<MapEdit>& active() const { return active_; }
-  const std::vector<RetiredEdit>& retired() const { return retired_; }
 
  private:
   std::vector<MapEdit>::iterator Find(const std::string& uid) {
@@ -80,14 +78,7 @@ class LedgerRules {
 
   std::vector<std::string> uids_;  // of all that were ever added
   std::vector<MapEdit> active_;
-  std::vector<RetiredEdit> retired_;
 };
-
-LedgerRules RulesAfter(const std::vector<LedgerLine>& lines) {
-  LedgerRules rules;
-  for (const LedgerLine& line : lines) rules.Take(line, "ledger");
-  return rules;
-}
 
 LedgerOperation ReadOperation(const json& object, const std::string& where) {
   const json value = object.value("op", json());
@@ -178,9 +169,11 @@ CheckedLedger ReadChecked(const fs::path& file) {
 
 std::string EmptyLedgerHead() { return std::string(64, '0'); }
 
-std::vector<MapEdit> Ledger::Active() const { return RulesAfter(lines).active(); }
-
-std::vector<RetiredEdit> Ledger::Retired() const { return RulesAfter(lines).retired(); }
+std::vector<MapEdit> Ledger::Active() const {
+  LedgerRules rules;
+  for (const LedgerLine& line : lines) rules.Take(line, "ledger");
+  return rules.active();
+}
 
 Ledger ReadLedger(const fs::path& file) { return ReadChecked(file).ledger; }
 
@@ -197,7 +190,7 @@ std::optional<std::string> AppendToLedger(const fs::path& file, std::vector<Ledg
     json object = LineToJson(line);
     object["prev"] = head;
     const std::string text = JsonText(object);
-    const std::string where = file.string() + ": line to append";
+    const std::string where = line.where.empty() ? file.string() + ": line to append" : line.where;
     checked.rules.Take(ReadLine(text, head, where), where);
     checked.text += text + "\n";
     head = Sha256(text);

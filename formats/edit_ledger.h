@@ -32,6 +32,7 @@ constexpr std::string_view Name(LedgerOperation operation) {
 struct LedgerLine {
   LedgerOperation operation = LedgerOperation::kAdd;
   survey::MapEdit edit;
+  std::string where{};  // begins complaints about it: "drawn.geojson: feature 2"
 };
 
 // An edit that was taken back: as it was last, and the retirement with its who, when and why.

@@ -12,7 +12,6 @@
 #include "formats/digest.h"
 #include "formats/edit_form.h"
 #include "formats/edit_json.h"
-#include "formats/edit_layers.h"
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
 #include "formats/json_text.h"
@@ -43,6 +42,8 @@ MapEdit Visible(MapEdit edit) {
   return edit;
 }
 
+std::string TextOf(const std::optional<survey::StampNs>& stamp) { return stamp ? std::to_string(*stamp) : ""; }
+
 VectorFeature FeatureOf(const MapEdit& edit) {
   VectorFeature feature{.vertices = edit.parts.front(), .values = {}, .holes = {}};
   feature.holes.assign(edit.parts.begin() + 1, edit.parts.end());
@@ -53,7 +54,9 @@ VectorFeature FeatureOf(const MapEdit& edit) {
                     std::string(Name(edit.frame)),
                     edit.sigma_m,
                     edit.who,
-                    edit.why};
+                    edit.why,
+                    TextOf(edit.from_ns),
+                    TextOf(edit.until_ns)};
   return feature;
 }
 
@@ -61,11 +64,9 @@ VectorLayer LayerOf(const char* name, bool area, const std::vector<MapEdit>& edi
   VectorLayer layer{.name = name,
                     .shape = area ? VectorShape::kPolygon : VectorShape::kLine,
                     .colour = "#b0148a",
-                    .label_field = "kind",
-                    .category = "kind",
-                    .categories = EditCategories(area)};
-  layer.fields = {{"uid", true},   {"kind", true}, {"class", true}, {"width_m"},
-                  {"frame", true}, {"sigma_m"},    {"who", true},   {"why", true}};
+                    .label_field = "kind"};
+  layer.fields = {{"uid", true}, {"kind", true}, {"class", true}, {"width_m"},       {"frame", true},
+                  {"sigma_m"},   {"who", true},  {"why", true},   {"from_ns", true}, {"until_ns", true}};
   layer.form = EditFormQml(area);
   for (const MapEdit& edit : edits) {
     if (IsDrawable(edit) && IsArea(edit.kind) == area) layer.features.push_back(FeatureOf(edit));
@@ -130,7 +131,7 @@ CheckedOut ReadCheckout(GDALDataset* data, const fs::path& file) {
       if (row.at("uid") == kBasisRow) {
         checkout.basis = content.get<std::map<std::string, std::string>>();
       } else {
-        const MapEdit edit = EditFromJson(content, where);
+        const MapEdit edit = MovedEditFromJson(content, where);
         checkout.edits[edit.uid] = edit;
       }
     } catch (const json::exception& error) {
@@ -152,17 +153,17 @@ bool IsUnchanged(const MapEdit& now, const MapEdit& then) {
 }
 
 // The lines for one feature: none when it is as it was checked out.
-void AddChange(MapEdit edit, const CheckedOut& checkout, std::vector<LedgerLine>* lines) {
+void AddChange(MapEdit edit, const std::string& where, const CheckedOut& checkout, std::vector<LedgerLine>* lines) {
   if (edit.frame == survey::EditFrame::kMap) edit.basis = checkout.basis;
   const auto then = checkout.edits.find(edit.uid);
   if (then == checkout.edits.end()) {
     // So that the same feature is not taken twice.
     if (edit.uid.empty()) edit.uid = Sha256(JsonText(ToJson(Visible(edit)))).substr(0, 12);
-    lines->push_back({LedgerOperation::kAdd, std::move(edit)});
+    lines->push_back({LedgerOperation::kAdd, std::move(edit), where});
   } else if (!IsUnchanged(Visible(edit), then->second)) {
     edit.revision = then->second.revision + 1;
     edit.supersedes = then->second.supersedes;
-    lines->push_back({LedgerOperation::kModify, std::move(edit)});
+    lines->push_back({LedgerOperation::kModify, std::move(edit), where});
   }
 }
 
@@ -185,16 +186,16 @@ std::vector<LedgerLine> ReadEditPackage(const fs::path& file) {
   std::map<std::string, std::string> seen;  // uid; where
   for (const char* layer : {kAreas, kLines}) {
     for (const auto& [where, members] : ReadRows(data.get(), file, layer)) {
-      const MapEdit edit = EditFromJson(members, where);
+      const MapEdit edit = MovedEditFromJson(members, where);
       if (!edit.uid.empty() && !seen.try_emplace(edit.uid, where).second)
         throw DataError(where + ": uid = " + edit.uid + ": the same as of " + seen[edit.uid] +
                         " (a copied feature needs a uid of its own: clear the field)");
-      AddChange(edit, checkout, &lines);
+      AddChange(edit, where, checkout, &lines);
     }
   }
   for (const auto& [uid, edit] : checkout.edits) {
     if (seen.contains(uid)) continue;
-    LedgerLine gone{LedgerOperation::kRetire, {}};
+    LedgerLine gone{.operation = LedgerOperation::kRetire};
     gone.edit.uid = uid;
     gone.edit.revision = edit.revision + 1;
     lines.push_back(std::move(gone));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/request_picture.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,8 +16,8 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kSide_m = 12.0;
-constexpr double kPixelsPerMetre = 40.0;
-constexpr int kPixels = static_cast<int>(kSide_m * kPixelsPerMetre);
+constexpr double kMargin = 1.3;  // of an edit that is wider
+constexpr int kPixels = 480;
 constexpr int kShift = 4;  // fractional bits of OpenCV's coordinates
 
 // Blue, green, red.
@@ -36,7 +37,8 @@ cv::Scalar Shade(float log_odds) {
 
 class Canvas {
  public:
-  explicit Canvas(const Vector2d& centre) : north_west_(centre + 0.5 * kSide_m * Vector2d(-1.0, 1.0)) {
+  explicit Canvas(const Vector2d& centre, double side_m = kSide_m)
+      : side_m_(side_m), north_west_(centre + 0.5 * side_m * Vector2d(-1.0, 1.0)) {
     image_.create(kPixels, kPixels, CV_8UC3);
     image_.setTo(kUnknown);
   }
@@ -44,13 +46,13 @@ class Canvas {
   void Map(const survey::RasterStrips& map) {
     const survey::SiteRaster& frame = map.frame;
     const auto row_of = [&](double y) { return static_cast<std::int64_t>(std::floor(y / frame.cell_size_m)); };
-    const std::int64_t first = std::max(row_of(north_west_.y() - kSide_m), frame.min_row);
+    const std::int64_t first = std::max(row_of(north_west_.y() - side_m_), frame.min_row);
     const std::int64_t end = std::min(row_of(north_west_.y()) + 1, frame.min_row + frame.height);
     if (first >= end) return;
     const survey::SiteRaster rows = map.read(first, static_cast<int>(end - first));
     for (int y = 0; y < kPixels; ++y) {
       for (int x = 0; x < kPixels; ++x) {
-        const auto cell = rows.CellOf(north_west_ + Vector2d(x + 0.5, -(y + 0.5)) / kPixelsPerMetre);
+        const auto cell = rows.CellOf(north_west_ + Vector2d(x + 0.5, -(y + 0.5)) * (side_m_ / kPixels));
         if (!rows.Contains(cell.x(), cell.y())) continue;
         const cv::Scalar shade = Shade(rows.At(static_cast<int>(cell.x()), static_cast<int>(cell.y())));
         image_.at<cv::Vec3b>(y, x) = cv::Vec3b::all(static_cast<std::uint8_t>(shade[0]));
@@ -75,14 +77,29 @@ class Canvas {
     Lidar(pose, colour);
   }
 
-  const cv::Mat& image() const { return image_; }
+  // The lines, rings or arrows of an edit.
+  void Edit(const survey::MapEdit& edit, const cv::Scalar& colour, int thickness) {
+    for (const std::vector<Vector2d>& part : edit.parts) {
+      for (std::size_t i = 0; i + 1 < part.size(); ++i) Line(part[i], part[i + 1], colour, thickness);
+      if (IsArea(edit.kind)) Line(part.back(), part.front(), colour, thickness);
+      if (edit.kind == survey::EditKind::kAdjust)
+        cv::circle(image_, Pixel(part.back()), 5 << kShift, colour, cv::FILLED, cv::LINE_AA, kShift);
+    }
+  }
+
+  void Write(const std::filesystem::path& file) const {
+    std::vector<std::uint8_t> png;
+    cv::imencode(".png", image_, png);
+    WriteFileAtomically(file, {reinterpret_cast<const char*>(png.data()), png.size()});
+  }
 
  private:
   cv::Point Pixel(const Vector2d& p) const {
-    const Vector2d offset = (p - north_west_) * kPixelsPerMetre * (1 << kShift);
+    const Vector2d offset = (p - north_west_) * (kPixels / side_m_) * (1 << kShift);
     return {static_cast<int>(std::lround(offset.x())), static_cast<int>(std::lround(-offset.y()))};
   }
 
+  double side_m_;
   Vector2d north_west_;
   cv::Mat image_;
 };
@@ -98,9 +115,23 @@ void WriteRequestPicture(const std::filesystem::path& file, const survey::Raster
     canvas.Scan(picture.modes[i], picture.points, kModes[i % kModes.size()]);
   canvas.Scan(picture.estimate, picture.points, kEstimate);
   if (picture.reference) canvas.Lidar(*picture.reference, kReference);
-  std::vector<std::uint8_t> png;
-  cv::imencode(".png", canvas.image(), png);
-  WriteFileAtomically(file, {reinterpret_cast<const char*>(png.data()), png.size()});
+  canvas.Write(file);
+}
+
+void WriteEditPicture(const std::filesystem::path& file, const survey::RasterStrips& map,
+                      const survey::AppliedEdit& edit) {
+  const survey::MapEdit drawn = AsDrawn(edit);
+  Eigen::AlignedBox2d box;
+  for (const survey::MapEdit* each : {&edit.edit, &drawn}) {
+    for (const std::vector<Vector2d>& part : each->parts) {
+      for (const Vector2d& p : part) box.extend(p);
+    }
+  }
+  Canvas canvas(box.center(), std::max(kSide_m, kMargin * box.sizes().maxCoeff()));
+  canvas.Map(map);
+  canvas.Edit(drawn, kReference, 2);
+  canvas.Edit(edit.edit, kEstimate, 3);
+  canvas.Write(file);
 }
 
 }  // namespace formats

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The picture of a review request: the map around the scan, the scan where it was put, where else it might lie, the way
-// and the reference scan. North up, 12 m wide.
+// The picture of a review request, north up. About a scan: the map around it, the scan where it was put, where else it
+// might lie, the way and the reference scan; 12 m wide. About an edit: the map, the edit where it lies now and as it
+// was drawn; 12 m wide or as wide as it needs.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "survey/edits/block_edits.h"
 #include "survey/geometry/pose2.h"
 #include "survey/grid/raster_strips.h"
 
@@ -25,5 +27,8 @@ struct RequestPicture {
 // `map`: log-odds on the site's cells.
 void WriteRequestPicture(const std::filesystem::path& file, const survey::RasterStrips& map,
                          const RequestPicture& picture);
+
+void WriteEditPicture(const std::filesystem::path& file, const survey::RasterStrips& map,
+                      const survey::AppliedEdit& edit);
 
 }  // namespace formats

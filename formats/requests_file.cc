@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/atomic_file.h"
+#include "formats/edit_json.h"
 #include "formats/errors.h"
 #include "formats/json_text.h"
 
@@ -15,7 +16,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "plumbline-requests";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 
 double Millimetres(double value) { return std::round(value * 1e3) / 1e3 + 0.0; }
 double Fine(double value) { return std::round(value * 1e4) / 1e4 + 0.0; }
@@ -60,28 +61,40 @@ json OrNull(const std::optional<T>& value) {
   return value ? ToJson(*value) : json();
 }
 
+json MembersOf(const ListedPose& pose) {
+  json modes = json::array();
+  for (const survey::PoseMode& mode : pose.modes) modes.push_back(ToJson(mode));
+  return {{"kind", "pose"},
+          {"stamp_ns", std::to_string(pose.stamp_ns)},
+          {"from_ns", std::to_string(pose.from_ns)},
+          {"until_ns", std::to_string(pose.until_ns)},
+          {"estimate", ToJson(pose.estimate)},
+          {"spread", OrNull(pose.spread)},
+          {"modes", std::move(modes)},
+          {"reference", OrNull(pose.reference)},
+          {"points", ToJson(pose.points)},
+          {"reference_points", ToJson(pose.reference_points)},
+          {"answer", OrNull(pose.answer)}};
+}
+
+json MembersOf(const survey::AppliedEdit& applied) {
+  return {{"kind", "edit"},
+          {"edit", formats::ToJson(applied.edit)},
+          {"drawn", applied.drawn.empty() ? json() : GeometryToJson(AsDrawn(applied))}};
+}
+
 json ToJson(const ListedRequest& request, int rank) {
   json causes = json::array();
   for (const survey::RequestCause& cause : request.causes)
     causes.push_back({{"cause", cause.cause}, {"score", Fine(cause.size_m)}, {"message", cause.message}});
-  json modes = json::array();
-  for (const survey::PoseMode& mode : request.modes) modes.push_back(ToJson(mode));
-  return {{"id", request.id},
-          {"block", request.block},
-          {"rank", rank},
-          {"stamp_ns", std::to_string(request.stamp_ns)},
-          {"from_ns", std::to_string(request.from_ns)},
-          {"until_ns", std::to_string(request.until_ns)},
-          {"causes", std::move(causes)},
-          {"score", Fine(request.score_m)},
-          {"estimate", ToJson(request.estimate)},
-          {"spread", OrNull(request.spread)},
-          {"modes", std::move(modes)},
-          {"reference", OrNull(request.reference)},
-          {"points", ToJson(request.points)},
-          {"reference_points", ToJson(request.reference_points)},
-          {"picture", request.picture},
-          {"answer", OrNull(request.answer)}};
+  json object = std::visit([](const auto& subject) { return MembersOf(subject); }, request.subject);
+  object.update({{"id", request.id},
+                 {"block", request.block},
+                 {"rank", rank},
+                 {"causes", std::move(causes)},
+                 {"score", Fine(request.score_m)},
+                 {"picture", request.picture}});
+  return object;
 }
 
 json ToJson(const ListedBlock& block) {
@@ -115,13 +128,13 @@ ListedBlock BlockFromJson(const json& object) {
 
 }  // namespace
 
-std::string IdOfRequest(const std::string& block, survey::StampNs stamp_ns, const std::string& cause) {
-  return block + "-" + std::to_string(stamp_ns) + "-" + cause;
+std::string IdOfRequest(const std::string& block, const std::string& what, const std::string& cause) {
+  return block + "-" + what + "-" + cause;
 }
 
 void Rank(std::vector<ListedRequest>* requests) {
   std::sort(requests->begin(), requests->end(), [](const ListedRequest& a, const ListedRequest& b) {
-    if (a.answer.has_value() != b.answer.has_value()) return b.answer.has_value();
+    if (a.IsAnswered() != b.IsAnswered()) return b.IsAnswered();
     if (a.score_m != b.score_m) return a.score_m > b.score_m;
     return a.id < b.id;
   });

@@ -8,10 +8,12 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "formats/provenance.h"
 #include "survey/accuracy/certificate.h"
+#include "survey/review/edit_request.h"
 #include "survey/review/request_list.h"
 
 namespace formats {
@@ -28,23 +30,33 @@ struct ListedAnswer {
   survey::StampNs stamp_ns = 0;
 };
 
-// A request with everything that a page needs to show it. Points in the frames of their scans.
-struct ListedRequest {
-  std::string id;
-  std::string block;
+// Where a scan may lie. Points in the frames of their scans.
+struct ListedPose {
   survey::StampNs stamp_ns = 0;
   survey::StampNs from_ns = 0;
   survey::StampNs until_ns = 0;
-  std::vector<survey::RequestCause> causes;
-  double score_m = 0.0;
   survey::Pose2 estimate;
   std::optional<survey::PoseSpread> spread;
   std::vector<survey::PoseMode> modes;
   std::optional<ListedReference> reference;
   std::vector<Eigen::Vector2f> points;
   std::vector<Eigen::Vector2f> reference_points;
-  std::string picture;  // relative to the list
   std::optional<ListedAnswer> answer;
+};
+
+// A request with everything that a page needs to show it.
+struct ListedRequest {
+  std::string id;
+  std::string block;
+  std::vector<survey::RequestCause> causes;
+  double score_m = 0.0;
+  std::string picture;  // relative to the list
+  std::variant<ListedPose, survey::AppliedEdit> subject;
+
+  bool IsAnswered() const {
+    const ListedPose* pose = std::get_if<ListedPose>(&subject);
+    return pose != nullptr && pose->answer.has_value();
+  }
 };
 
 struct ListedBlock {
@@ -60,8 +72,8 @@ struct RequestList {
   std::vector<ListedRequest> requests;  // in their order of rank
 };
 
-// "B1-1048200000000-contradiction".
-std::string IdOfRequest(const std::string& block, survey::StampNs stamp_ns, const std::string& cause);
+// "B1-1048200000000-contradiction", "B1-3f1c9a6e02b7-edit_review". `what`: stamp of the scan or uid of the edit.
+std::string IdOfRequest(const std::string& block, const std::string& what, const std::string& cause);
 
 // Open ones first, then by score, block and stamp.
 void Rank(std::vector<ListedRequest>* requests);

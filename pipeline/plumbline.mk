@@ -136,9 +136,9 @@ $(call stage,adjust,$(1),work/$(1)/track.sqlite work/$(1)/loops.sqlite $(call co
 $(call stage,grid,$(1),work/$(1)/session.sqlite work/$(1)/solution.sqlite,work/$(1)/grid.tif,\
   --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --output work/$(1)/grid.tif)
 $(call stage,edit,$(1),work/$(1)/grid.tif work/$(1)/solution.sqlite $(call source,$(ledger)),\
-  work/$(1)/map.tif work/$(1)/edits.json,\
+  work/$(1)/map.tif work/$(1)/edits.json work/$(1)/doubtful_edits.json,\
   --grid work/$(1)/grid.tif --solution work/$(1)/solution.sqlite $(addprefix --ledger ,$(ledger)) --block $(1)\
-  --output work/$(1)/map.tif --report work/$(1)/edits.json)
+  --output work/$(1)/map.tif --report work/$(1)/edits.json --doubtful work/$(1)/doubtful_edits.json)
 $(if $(features),$(call stage,features,$(1),$(foreach f,grid.tif session.sqlite solution.sqlite,work/$(1)/$(f)) $(call source,$(features)),work/$(1)/features.sqlite,\
   --map work/$(1)/grid.tif --session work/$(1)/session.sqlite --solution work/$(1)/solution.sqlite --features $(features) --output work/$(1)/features.sqlite))
 $(eval .PHONY: $(1))
@@ -170,12 +170,12 @@ $(call stage,stitch,,$(call of-blocks,$(blocks),map.tif) $(call of-blocks,$(bloc
   $(foreach b,$(local-blocks),out/local/$(b).tif $(call picture-of,out/local/$(b))) out/seams.json out/seams.geojson,\
   --map $(call named,$(blocks),map.tif) --solution $(call named,$(blocks),solution.sqlite) --output out)
 
-# Of all blocks; the pictures go into work/requests/.
-of-each = $(foreach f,session.sqlite track.sqlite loops.sqlite solution.sqlite grid.tif,$(call of-blocks,$(blocks),$(f)))
+# Of all blocks; the pictures go into work/requests/. Of the edits only those in doubt count: others change nothing here.
+of-each = $(foreach f,session.sqlite track.sqlite loops.sqlite solution.sqlite grid.tif doubtful_edits.json,$(call of-blocks,$(blocks),$(f)))
 $(call stage,requests,,$(of-each) $(call source,$(foreach b,$(blocks),$(call answers,$(b)))),work/requests.jsonl,\
   --session $(call named,$(blocks),session.sqlite) --track $(call named,$(blocks),track.sqlite)\
   --loops $(call named,$(blocks),loops.sqlite) --solution $(call named,$(blocks),solution.sqlite)\
-  --grid $(call named,$(blocks),grid.tif)\
+  --grid $(call named,$(blocks),grid.tif) --edits $(call named,$(blocks),doubtful_edits.json)\
   $(foreach b,$(blocks),$(addprefix --answers $(b)=,$(call answers,$(b)))) --output work/requests.jsonl)
 
 # Edits of the blocks, once there are any.

@@ -2,6 +2,7 @@
 #include "pipeline/site_edits.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 
 #include "formats/artefacts.h"
@@ -27,8 +28,11 @@ using survey::MapEdit;
 constexpr double kVertexSpacing_m = 2.0;
 // Edges of a map are walls, and people draw on their outer side too (m).
 constexpr double kBesideTheMap_m = 1.0;
-// A forbidden area may reach beyond the map; an edit wholly out there was drawn in other coordinates (m).
+// An edit may reach beyond the map; a vertex out there was drawn in other coordinates or slipped (m).
 constexpr double kOffTheMap_m = 20.0;
+
+// QGIS and the page keep less (m).
+constexpr double kSamePlace_m = 0.001;
 
 fs::path InBlock(const fs::path& site, const std::string& block, const char* file) {
   return site / "work" / block / file;
@@ -40,70 +44,188 @@ std::vector<std::string> MappedBlocks(const fs::path& site) {
   return blocks;
 }
 
-// A block's map with the poses that drew it, read when first needed.
+// A block's map with the poses that drew it.
 struct BlockMap {
   std::string name;
-  survey::SiteRaster grid;
+  survey::SiteRaster grid;  // its frame alone until an edit lies there
   survey::BlockPoses poses;
 };
 
-BlockMap ReadBlockMap(const fs::path& site, const std::string& block) {
-  const fs::path grid = InBlock(site, block, "grid.tif");
-  const fs::path solution = InBlock(site, block, "solution.sqlite");
+void ReadBlockMap(const fs::path& site, BlockMap* map) {
+  const fs::path grid = InBlock(site, map->name, "grid.tif");
+  const fs::path solution = InBlock(site, map->name, "solution.sqlite");
   RequireDescent(grid, solution);
-  BlockMap map{.name = block, .grid = formats::ReadRaster(grid), .poses = ReadBlockPoses(solution)};
-  if (map.grid.drawn_by.empty())
+  map->grid = formats::ReadRaster(grid);
+  map->poses = ReadBlockPoses(solution);
+  if (map->grid.drawn_by.empty())
     throw DataError(grid.string() + ": does not tell which scan drew a cell; plumbline run draws it anew");
-  return map;
 }
 
-std::string TitleOf(const MapEdit& edit) {
-  return std::string(Name(edit.kind)) + (edit.uid.empty() ? "" : " " + edit.uid);
+// The maps of a site: where they lie at once, what they show when an edit lies there.
+class SiteMaps {
+ public:
+  explicit SiteMaps(fs::path site) : site_(std::move(site)), basis_(BasisOf(site_)) {
+    formats::RasterLabel label;
+    for (const auto& [block, id] : basis_)
+      maps_.push_back(
+          {.name = block, .grid = formats::ReadRasterFrame(InBlock(site_, block, "grid.tif"), &label), .poses = {}});
+    if (maps_.empty()) throw DataError(site_.string() + ": there is no map yet to be edited; plumbline run first");
+  }
+
+  const fs::path& site() const { return site_; }
+  const Basis& basis() const { return basis_; }
+  const std::vector<BlockMap>& all() const { return maps_; }
+
+  // Maps that the edit meets, or lies close beside.
+  std::vector<const BlockMap*> Near(const MapEdit& edit) {
+    std::vector<const BlockMap*> near;
+    for (BlockMap& map : maps_) {
+      if (survey::DistanceToRaster(edit, map.grid) > kBesideTheMap_m) continue;
+      if (map.grid.log_odds.empty()) ReadBlockMap(site_, &map);
+      near.push_back(&map);
+    }
+    return near;
+  }
+
+ private:
+  fs::path site_;
+  Basis basis_;
+  std::vector<BlockMap> maps_;
+};
+
+std::string TitleOf(const LedgerLine& line) {
+  const std::string title = std::string(Name(line.edit.kind)) + (line.edit.uid.empty() ? "" : " " + line.edit.uid);
+  return line.where.empty() ? title : line.where + ": " + title;
 }
 
-void RequireOnTheMaps(const MapEdit& edit, const std::vector<BlockMap>& maps) {
-  double nearest_m = std::numeric_limits<double>::max();
-  for (const BlockMap& map : maps) nearest_m = std::min(nearest_m, survey::DistanceToRaster(edit, map.grid));
-  if (nearest_m <= kOffTheMap_m) return;
-  throw DataError(TitleOf(edit) + ": lies " + std::to_string(static_cast<std::int64_t>(nearest_m)) +
-                  " m outside the map; edits must be in site coordinates (easting, northing)");
+std::string ExtentOf(const BlockMap& map) {
+  const Eigen::Vector2d low = survey::LowCornerOf(map.grid);
+  const Eigen::Vector2d high = survey::HighCornerOf(map.grid);
+  char text[120];
+  std::snprintf(text, sizeof text, " reaches from E %.2f N %.2f to E %.2f N %.2f", low.x(), low.y(), high.x(),
+                high.y());
+  return "the map of block " + map.name + text;
+}
+
+void RequireVertexNear(const LedgerLine& line, const Eigen::Vector2d& vertex, int number, const SiteMaps& maps) {
+  const BlockMap* nearest = nullptr;
+  double least_m = std::numeric_limits<double>::max();
+  for (const BlockMap& map : maps.all()) {
+    const double distance_m = survey::DistanceToRaster(vertex, map.grid);
+    if (distance_m < least_m) nearest = &map;
+    least_m = std::min(least_m, distance_m);
+  }
+  if (least_m <= kOffTheMap_m) return;
+  char text[160];
+  std::snprintf(text, sizeof text, ": vertex %d at E %.3f N %.3f lies %.0f m outside the map: ", number, vertex.x(),
+                vertex.y(), least_m);
+  throw DataError(TitleOf(line) + text + ExtentOf(*nearest) +
+                  "; edits must be in site coordinates (easting, northing)");
+}
+
+bool CoversACell(const MapEdit& edit, const survey::SiteRaster& grid) {
+  bool covers = false;
+  survey::ForEachCell(edit, grid, [&](int, int) { covers = true; });
+  return covers;
+}
+
+// What no map can show is refused: no vertex far away, and a cell at least, of the occupancy or of the keep-out mask.
+void RequireOnTheMaps(const LedgerLine& line, const SiteMaps& maps) {
+  int number = 0;
+  for (const std::vector<Eigen::Vector2d>& part : line.edit.parts) {
+    for (const Eigen::Vector2d& vertex : part) RequireVertexNear(line, vertex, ++number, maps);
+  }
+  if (!StateOf(line.edit) && line.edit.kind != EditKind::kForbidden) return;  // these must find scans
+  const auto covers = [&](const BlockMap& map) { return CoversACell(line.edit, map.grid); };
+  if (std::any_of(maps.all().begin(), maps.all().end(), covers)) return;
+  const BlockMap& nearest = *std::min_element(maps.all().begin(), maps.all().end(), [&](const auto& a, const auto& b) {
+    return survey::DistanceToRaster(line.edit, a.grid) < survey::DistanceToRaster(line.edit, b.grid);
+  });
+  throw DataError(TitleOf(line) + ": lies outside the map and covers none of its cells: " + ExtentOf(nearest));
 }
 
 bool HasAny(const std::vector<std::optional<survey::EditAnchor>>& anchors) {
   return std::any_of(anchors.begin(), anchors.end(), [](const auto& anchor) { return anchor.has_value(); });
 }
 
-void Tie(const fs::path& site, const std::vector<BlockMap>& maps, const Basis& basis, MapEdit* edit) {
-  if (!edit->basis.empty() && edit->basis != basis)
-    throw DataError(TitleOf(*edit) + ": was drawn on a map that has been made anew since; look at it again on the " +
-                    "map as it is now");
-  edit->basis = basis;
-  edit->anchors.clear();
-  edit->beams.clear();
-  const bool on_map = edit->frame == survey::EditFrame::kMap;
-  if (on_map) *edit = survey::Densified(*edit, kVertexSpacing_m);
-  RequireOnTheMaps(*edit, maps);
-  for (const BlockMap& map : maps) {
-    if (survey::DistanceToRaster(*edit, map.grid) > kBesideTheMap_m) continue;
-    if (on_map || edit->kind == EditKind::kAdjust) {
-      auto anchors = survey::AnchorsOf(*edit, map.grid, map.poses);
-      if (HasAny(anchors)) edit->anchors[map.name] = std::move(anchors);
+// What the maps tell of the edit: the scans that drew them under its vertices, the beams that a mask drops.
+void TieToMaps(bool finds_beams, SiteMaps* maps, MapEdit* edit) {
+  const bool hangs = edit->frame == survey::EditFrame::kMap || edit->kind == EditKind::kAdjust;
+  for (const BlockMap* map : maps->Near(*edit)) {
+    if (hangs) {
+      auto anchors = survey::AnchorsOf(*edit, map->grid, map->poses);
+      if (HasAny(anchors)) edit->anchors[map->name] = std::move(anchors);
     }
-    if (edit->kind != EditKind::kMaskReturns) continue;
-    const survey::Session session = formats::ReadSession(InBlock(site, map.name, "session.sqlite"));
-    auto beams = survey::BeamsInside(*edit, session, map.poses.site_from_scan);
-    if (!beams.empty()) edit->beams[map.name] = std::move(beams);
+    if (!finds_beams) continue;
+    const survey::Session session = formats::ReadSession(InBlock(maps->site(), map->name, "session.sqlite"));
+    auto beams = survey::BeamsInside(*edit, session, map->poses.site_from_scan);
+    if (!beams.empty()) edit->beams[map->name] = std::move(beams);
   }
-  if (edit->kind == EditKind::kMaskReturns && edit->beams.empty())
-    throw DataError(TitleOf(*edit) + ": no scan has a return from there");
+}
+
+// An arrow begins at what a scan saw.
+void RequireTails(const LedgerLine& line) {
+  for (std::size_t i = 0; i < line.edit.parts.size(); ++i) {
+    const bool held = std::any_of(line.edit.anchors.begin(), line.edit.anchors.end(),
+                                  [&](const auto& of_block) { return of_block.second[2 * i].has_value(); });
+    if (held) continue;
+    const Eigen::Vector2d& tail = line.edit.parts[i].front();
+    char text[120];
+    std::snprintf(text, sizeof text, ": no scan drew the map at the tail of arrow %d, E %.3f N %.3f",
+                  static_cast<int>(i) + 1, tail.x(), tail.y());
+    throw DataError(TitleOf(line) + text);
+  }
+}
+
+bool IsSameMask(const MapEdit& a, const MapEdit& b) {
+  const auto same_part = [](const auto& p, const auto& q) {
+    return std::equal(p.begin(), p.end(), q.begin(), q.end(),
+                      [](const auto& u, const auto& v) { return (u - v).norm() < kSamePlace_m; });
+  };
+  return a.kind == b.kind && a.from_ns == b.from_ns && a.until_ns == b.until_ns &&
+         std::equal(a.parts.begin(), a.parts.end(), b.parts.begin(), b.parts.end(), same_part);
+}
+
+// Of a mask that is revised: the session holds its returns no more, so that its beams stay, and its shape must.
+void KeepBeams(const fs::path& site, LedgerLine* line) {
+  for (const MapEdit& placed : PlacedEdits(site)) {
+    if (placed.uid != line->edit.uid) continue;
+    if (!IsSameMask(placed, line->edit))
+      throw DataError(TitleOf(*line) + ": a mask cannot be given another shape or time, for its returns are dropped " +
+                      "already: retire it, plumbline run, and draw it anew");
+    line->edit.beams = placed.beams;
+  }
+}
+
+void Tie(SiteMaps* maps, LedgerLine* line) {
+  MapEdit& edit = line->edit;
+  if (!edit.basis.empty() && edit.basis != maps->basis())
+    throw DataError(TitleOf(*line) + ": was drawn on a map that has been made anew since; look at it again on the " +
+                    "map as it is now");
+  edit.basis = maps->basis();
+  edit.anchors.clear();
+  edit.beams.clear();
+  RequireOnTheMaps(*line, *maps);
+  if (edit.frame == survey::EditFrame::kMap) edit = survey::Densified(edit, kVertexSpacing_m);
+  const bool masks = edit.kind == EditKind::kMaskReturns;
+  const bool revised = line->operation == LedgerOperation::kModify;
+  if (masks && revised) KeepBeams(maps->site(), line);
+  TieToMaps(masks && !revised, maps, &edit);
+  if (edit.kind == EditKind::kAdjust) RequireTails(*line);
+  if (masks && edit.beams.empty())
+    throw DataError(TitleOf(*line) + ": no scan has a return from there" +
+                    (edit.from_ns || edit.until_ns ? " in that time" : ""));
 }
 
 // Each edit once, where the solutions of the blocks put it.
 std::vector<survey::SiteEdit> PlacedBy(const std::vector<NamedFile>& solutions, const std::vector<MapEdit>& edits) {
   std::vector<survey::BlockEdits> blocks;
-  for (const NamedFile& solution : solutions)
-    blocks.push_back(
-        {.block = solution.name, .edits = survey::EditsOfBlock(solution.name, edits, ReadBlockPoses(solution.file))});
+  for (const NamedFile& solution : solutions) {
+    const bool hangs = std::any_of(edits.begin(), edits.end(),
+                                   [&](const MapEdit& edit) { return edit.anchors.contains(solution.name); });
+    const survey::BlockPoses poses = hangs ? ReadBlockPoses(solution.file) : survey::BlockPoses();
+    blocks.push_back({.block = solution.name, .edits = survey::EditsOfBlock(solution.name, edits, poses)});
+  }
   return survey::SiteEdits(blocks);
 }
 
@@ -169,16 +291,11 @@ std::vector<survey::SiteEdit> RetiredEdits(const fs::path& ledger, const std::ve
 
 std::optional<std::string> RecordEdits(const fs::path& site, std::vector<LedgerLine> lines,
                                        const std::optional<std::string>& expected_head) {
-  const bool any_drawn = std::any_of(lines.begin(), lines.end(),
-                                     [](const LedgerLine& line) { return line.operation != LedgerOperation::kRetire; });
-  if (any_drawn) {
-    std::vector<BlockMap> maps;
-    for (const std::string& block : MappedBlocks(site)) maps.push_back(ReadBlockMap(site, block));
-    if (maps.empty()) throw DataError(site.string() + ": there is no map yet to be edited; plumbline run first");
-    const Basis basis = BasisOf(site);
-    for (LedgerLine& line : lines) {
-      if (line.operation != LedgerOperation::kRetire) Tie(site, maps, basis, &line.edit);
-    }
+  std::optional<SiteMaps> maps;  // retiring needs none
+  for (LedgerLine& line : lines) {
+    if (line.operation == LedgerOperation::kRetire) continue;
+    if (!maps) maps.emplace(site);
+    Tie(&*maps, &line);
   }
   return formats::AppendToLedger(LedgerFile(site), std::move(lines), expected_head);
 }

@@ -42,8 +42,9 @@ std::vector<survey::SiteEdit> RetiredEdits(const std::filesystem::path& ledger,
 
 // Ties additions and modifications to the current maps (anchors, beams of masks, more vertices on long lines) and
 // appends all lines; see formats::AppendToLedger for what it fills in, what it returns and what it refuses. DataError
-// also for an edit that lies off all maps, one drawn on the map before there is a map, and one whose basis is given and
-// is no longer the maps' own: it was drawn on something that has changed since.
+// also for an edit that no map can show (none of their cells in it, or a vertex far off), an arrow or a mask where no
+// scan saw anything, one drawn before there is a map, and one whose basis is given and is no longer the maps' own: it
+// was drawn on something that has changed since. Only the maps that an edit meets are read.
 std::optional<std::string> RecordEdits(const std::filesystem::path& site, std::vector<formats::LedgerLine> lines,
                                        const std::optional<std::string>& expected_head = std::nullopt);
 

@@ -20,6 +20,8 @@ using survey::AppliedEdit;
 // An edit this far from a map was drawn in other coordinates.
 constexpr double kTooFar_m = 10000.0;
 
+constexpr const char* kMapEdits = "ledger";  // role of the edits that set cells
+
 std::string TitleOf(const survey::MapEdit& edit) { return std::string(Name(edit.kind)) + " " + edit.uid; }
 
 // Of the edits of the site those that reach the block's map.
@@ -35,11 +37,12 @@ std::vector<AppliedEdit> ReadEdits(const fs::path& ledger, const std::string& bl
                                " km outside the map; edits must be in site coordinates (easting, northing)");
   }
   std::erase_if(edits, [&](const AppliedEdit& applied) {
-    return applied.anchored == 0 && survey::DistanceToRaster(applied.edit, grid) > 0;
+    return applied.anchored + applied.lost == 0 && survey::DistanceToRaster(applied.edit, grid) > 0;
   });
   return edits;
 }
 
+// Input of what is made from these edits alone.
 formats::ProvenanceInput InputOf(const std::string& role, const std::string& block,
                                  const std::vector<AppliedEdit>& edits, bool (*counts)(const survey::MapEdit&)) {
   std::vector<survey::MapEdit> counted;
@@ -52,13 +55,14 @@ formats::ProvenanceInput InputOf(const std::string& role, const std::string& blo
 bool SetsCells(const survey::MapEdit& edit) { return StateOf(edit).has_value(); }
 bool IsAny(const survey::MapEdit&) { return true; }
 
-// What the map does not show, such as a forbidden area, counts for the report alone: the map's bytes stay.
-formats::Provenance OfReport(formats::Provenance provenance, const formats::ProvenanceInput& all_edits) {
-  if (all_edits.sha256.empty()) return provenance;
+// The map's record with other edits in the ledger's place, so that a file changes with its own edits alone.
+formats::Provenance WithEdits(formats::Provenance provenance, const formats::ProvenanceInput& edits) {
   std::vector<formats::ProvenanceInput>& inputs = provenance.records.front().inputs;
+  std::erase_if(inputs, [](const auto& input) { return input.role == kMapEdits; });
+  if (edits.sha256.empty()) return provenance;
   const auto place =
-      std::find_if(inputs.begin(), inputs.end(), [&](const auto& input) { return input.role > all_edits.role; });
-  inputs.insert(place, all_edits);
+      std::find_if(inputs.begin(), inputs.end(), [&](const auto& input) { return input.role > edits.role; });
+  inputs.insert(place, edits);
   return provenance;
 }
 
@@ -82,8 +86,9 @@ void Tell(const survey::BlockEdits& edits, bool allow_conflicts, const fs::path&
 int main(int argc, char** argv) {
   pipeline::Stage stage("edit", "Apply people's map edits to the grid of a block.",
                         "plumbline edit --grid work/B1/grid.tif --solution work/B1/solution.sqlite --block B1 "
-                        "--ledger edits/ledger.jsonl --output work/B1/map.tif --report work/B1/edits.json");
-  fs::path grid_file, solution_file, ledger, output, report;
+                        "--ledger edits/ledger.jsonl --output work/B1/map.tif --report work/B1/edits.json "
+                        "--doubtful work/B1/doubtful_edits.json");
+  fs::path grid_file, solution_file, ledger, output, report, doubtful_file;
   std::string block;
   bool allow_conflicts = false;
   survey::RefitLimits limits;
@@ -93,6 +98,8 @@ int main(int argc, char** argv) {
   stage.Text("block", &block, "name of the block in the ledger");
   stage.Output("output", &output, "map.tif to write");
   stage.Output("report", &report, "edits.json to write: what each edit did, and what a person should look at");
+  stage.Output("doubtful", &doubtful_file,
+               "doubtful_edits.json to write: of these the edits that `requests` asks about");
   stage.Option("allow-conflicts", &allow_conflicts,
                "true: where people contradict each other the later edit counts, and the certificate names both");
   stage.Option("refit-residual-m", &limits.residual_m,
@@ -107,14 +114,18 @@ int main(int argc, char** argv) {
     if (!ledger.empty()) concerned = ReadEdits(ledger, block, solution_file, raster, label.tied);
     if (!concerned.empty() && !label.tied)
       run.Warn("the block is not tied to control: the edits are taken in its local frame");
-    const formats::ProvenanceInput of_map = InputOf("ledger", block, concerned, SetsCells);
+    const formats::ProvenanceInput of_map = InputOf(kMapEdits, block, concerned, SetsCells);
     const formats::ProvenanceInput of_report = InputOf("ledger, all kinds", block, concerned, IsAny);
     if (!of_map.sha256.empty()) run.AddInput(of_map);
     const survey::BlockEdits edits = survey::ApplyEdits(block, std::move(concerned), limits, &raster);
     Tell(edits, allow_conflicts, ledger, run);
     raster.drawn_by.clear();
     formats::WriteRaster(output, raster, label, run.Provenance());
-    formats::WriteBlockEdits(report, edits, OfReport(run.Provenance(), of_report));
+    formats::WriteBlockEdits(report, edits, WithEdits(run.Provenance(), of_report));
+    const survey::BlockEdits doubtful = survey::Doubtful(edits);
+    formats::WriteBlockEdits(
+        doubtful_file, doubtful,
+        WithEdits(run.Provenance(), InputOf("ledger, doubtful edits", block, doubtful.edits, IsAny)));
     if (edits.edits.empty()) run.Message("no edits: the map is the grid");
   });
 }

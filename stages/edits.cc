@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // plumbline-edits: what people want changed in the maps of a site, into its ledger and out of it.
+#include <algorithm>
 #include <array>
 #include <ctime>
 #include <iostream>
@@ -73,15 +74,34 @@ void Add(const Request& request, pipeline::StageRun& run) {
   std::vector<LedgerLine> lines;
   for (MapEdit& edit : TakeDrawn(request, run)) {
     FillIn(request, &edit);
-    lines.push_back({LedgerOperation::kAdd, std::move(edit)});
+    const std::string which = request.from.extension() == ".jsonl" ? ": edit " : ": feature ";
+    const std::string where = request.from.string() + which + std::to_string(lines.size() + 1);
+    lines.push_back({LedgerOperation::kAdd, std::move(edit), where});
   }
   if (!lines.empty()) Record(request, std::move(lines), run);
 }
 
 void Retire(const Request& request, pipeline::StageRun& run) {
   if (request.uid.empty()) throw UsageError("--uid is required: the edit to retire");
-  LedgerLine line{LedgerOperation::kRetire, {}};
+  LedgerLine line{.operation = LedgerOperation::kRetire};
   line.edit.uid = request.uid;
+  FillIn(request, &line.edit);
+  Record(request, {line}, run);
+}
+
+// As it lies now, tied to the maps as they are now: settles what `requests` asks about it.
+void Keep(const Request& request, pipeline::StageRun& run) {
+  if (request.uid.empty()) throw UsageError("--uid is required: the edit to keep where it lies");
+  const std::vector<MapEdit> placed = pipeline::PlacedEdits(request.site);
+  const auto found =
+      std::find_if(placed.begin(), placed.end(), [&](const auto& edit) { return edit.uid == request.uid; });
+  if (found == placed.end()) throw UsageError("--uid " + request.uid + ": there is no such edit, or it was retired");
+  LedgerLine line{.operation = LedgerOperation::kModify, .edit = *found};
+  ++line.edit.revision;
+  for (std::string* member : {&line.edit.when, &line.edit.tool}) member->clear();
+  line.edit.basis.clear();
+  if (!request.who.empty()) line.edit.who = request.who;
+  if (!request.why.empty()) line.edit.why = request.why;
   FillIn(request, &line.edit);
   Record(request, {line}, run);
 }
@@ -124,10 +144,11 @@ void Do(const Request& request, pipeline::StageRun& run) {
     throw UsageError(request.site.string() + ": no site.toml in it, so it is not a site (plumbline new makes one)");
   if (request.action == "add") return Add(request, run);
   if (request.action == "retire") return Retire(request, run);
+  if (request.action == "keep") return Keep(request, run);
   if (request.action == "list") return List(request);
   if (request.action == "checkout") return Checkout(request, run);
   if (request.action == "accept") return Accept(request, run);
-  throw UsageError(request.action.string() + ": must be add, retire, list, checkout or accept");
+  throw UsageError(request.action.string() + ": must be add, retire, keep, list, checkout or accept");
 }
 
 }  // namespace
@@ -135,20 +156,20 @@ void Do(const Request& request, pipeline::StageRun& run) {
 int main(int argc, char** argv) {
   pipeline::Stage stage(
       "edits",
-      "Map edits of a site: add drawn ones to its ledger, retire one (that undoes it), list those that "
-      "hold. `plumbline run` applies them.",
+      "Map edits of a site: add drawn ones to its ledger, retire one (that undoes it), keep one where it lies although "
+      "it could not follow the map well, list those that hold. `plumbline run` applies them.",
       "plumbline edits add office --from drawn.geojson --who \"M. Huber\"\n"
       "  plumbline edits retire office --uid 3f1c9a6e02b7 --who \"M. Huber\" --why \"wall is gone\"\n"
       "  plumbline edits list office");
   Request request;
-  stage.Positional("ACTION", &request.action, "add, retire, list, checkout or accept");
+  stage.Positional("ACTION", &request.action, "add, retire, keep, list, checkout or accept");
   stage.Positional("SITE", &request.site, "the site's folder");
   stage.OptionalInput(
       "from", &request.from,
       "drawn edits: GeoJSON or an edited map of rosbridge, .jsonl (add), the GeoPackage that was checked out (accept)",
       pipeline::Content::kParsed);
   stage.OptionalOutput("geopackage", &request.geopackage, "GeoPackage to write (checkout)");
-  stage.Text("uid", &request.uid, "the edit to retire");
+  stage.Text("uid", &request.uid, "the edit to retire or to keep");
   stage.Text("who", &request.who, "who decided it, where the drawn edits do not say");
   stage.Text("why", &request.why, "why, likewise");
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) { Do(request, run); });

@@ -12,6 +12,7 @@
 #include "formats/raster_file.h"
 #include "formats/request_picture.h"
 #include "formats/requests_file.h"
+#include "pipeline/site_edits.h"
 #include "pipeline/stage.h"
 #include "survey/accuracy/contradiction.h"
 #include "survey/sensors/scan_points.h"
@@ -27,7 +28,7 @@ constexpr double kMaxRange_m = 30.0;
 constexpr std::size_t kMostPoints = 400;
 
 struct RequestFiles {
-  std::vector<NamedFile> sessions, tracks, loops, solutions, grids, answers;
+  std::vector<NamedFile> sessions, tracks, loops, solutions, grids, answers, edits;
   fs::path output;
 };
 
@@ -93,21 +94,16 @@ std::vector<Eigen::Vector2f> PointsOf(const Block& block, survey::ScanId scan) {
   return thinned;
 }
 
-formats::ListedRequest ListedOf(const Block& block, const survey::Request& request) {
+formats::ListedPose PoseOf(const Block& block, const survey::Request& request) {
   const auto stamp = [&](survey::ScanId scan) { return block.stamps[Index(scan)]; };
   const auto pose = [&](survey::ScanId scan) { return block.solution.scans[Index(scan)].site_from_scan; };
-  formats::ListedRequest listed{.block = block.name,
-                                .stamp_ns = stamp(request.scan),
-                                .from_ns = stamp(request.stretch.first),
-                                .until_ns = stamp(request.stretch.last),
-                                .causes = request.causes,
-                                .score_m = request.score_m,
-                                .estimate = pose(request.scan),
-                                .spread = request.spread,
-                                .modes = request.modes,
-                                .points = PointsOf(block, request.scan)};
-  listed.id = formats::IdOfRequest(block.name, listed.stamp_ns, request.causes.front().cause);
-  listed.picture = std::string(kPictures) + "/" + listed.id + ".png";
+  formats::ListedPose listed{.stamp_ns = stamp(request.scan),
+                             .from_ns = stamp(request.stretch.first),
+                             .until_ns = stamp(request.stretch.last),
+                             .estimate = pose(request.scan),
+                             .spread = request.spread,
+                             .modes = request.modes,
+                             .points = PointsOf(block, request.scan)};
   if (request.reference) {
     const survey::ScanId scan = request.reference->scan;
     listed.reference = {stamp(scan), pose(scan), request.reference->earlier_pass};
@@ -120,14 +116,25 @@ formats::ListedRequest ListedOf(const Block& block, const survey::Request& reque
   return listed;
 }
 
-void Draw(const Block& block, const survey::Request& request, const formats::ListedRequest& listed,
-          const fs::path& folder) {
+// `what`: stamp of the scan or uid of the edit.
+formats::ListedRequest Listed(const std::string& block, const std::string& what,
+                              const std::vector<survey::RequestCause>& causes, double score_m) {
+  formats::ListedRequest listed{.id = formats::IdOfRequest(block, what, causes.front().cause),
+                                .block = block,
+                                .causes = causes,
+                                .score_m = score_m};
+  listed.picture = std::string(kPictures) + "/" + listed.id + ".png";
+  return listed;
+}
+
+void Draw(const Block& block, const survey::Request& request, const formats::ListedPose& listed,
+          const fs::path& picture_file) {
   formats::RequestPicture picture{.estimate = listed.estimate, .points = listed.points};
   for (const survey::PoseMode& mode : listed.modes) picture.modes.push_back(mode.site_from_scan);
   for (survey::ScanId scan = request.stretch.first; !(request.stretch.last < scan); ++scan.value)
     picture.way.push_back(block.solution.scans[Index(scan)].site_from_scan.Translation());
   if (listed.reference) picture.reference = listed.reference->site_from_scan;
-  formats::WriteRequestPicture(folder / listed.picture, block.grid, picture);
+  formats::WriteRequestPicture(picture_file, block.grid, picture);
 }
 
 survey::BlockReview ReviewOf(const Block& block, const std::vector<survey::Request>& requests,
@@ -144,23 +151,45 @@ survey::BlockReview ReviewOf(const Block& block, const std::vector<survey::Reque
   return review;
 }
 
+// Returns how many edits of the block are asked about.
+int AddEdits(const Block& block, const std::vector<survey::EditRequest>& requests, const fs::path& folder,
+             formats::RequestList* list) {
+  int count = 0;
+  for (const survey::EditRequest& request : requests) {
+    if (request.block != block.name) continue;
+    formats::ListedRequest listed = Listed(block.name, request.applied.edit.uid, request.causes, request.score_m);
+    listed.subject = request.applied;
+    formats::WriteEditPicture(folder / listed.picture, block.grid, request.applied);
+    list->requests.push_back(std::move(listed));
+    ++count;
+  }
+  return count;
+}
+
 void AddBlock(const Block& block, const survey::RequestOptions& options, const RequestFiles& files,
-              formats::RequestList* list) {
+              const std::vector<survey::EditRequest>& edit_requests, formats::RequestList* list) {
   const survey::PassComparison passes = survey::ComparePasses(block.session, PosesOf(block.solution), {});
   const std::vector<survey::Doubt> doubts =
       survey::FindDoubts({block.track, block.loops, block.solution, block.stamps, passes.conflicts});
   const std::vector<survey::Request> requests = survey::MakeRequests(doubts, block.solution, block.answers, options);
   const fs::path folder = files.output.parent_path();
   for (const survey::Request& request : requests) {
-    list->requests.push_back(ListedOf(block, request));
-    Draw(block, request, list->requests.back(), folder);
+    const formats::ListedPose pose = PoseOf(block, request);
+    formats::ListedRequest listed = Listed(block.name, std::to_string(pose.stamp_ns), request.causes, request.score_m);
+    listed.subject = pose;
+    Draw(block, request, pose, folder / listed.picture);
+    list->requests.push_back(std::move(listed));
   }
+  survey::BlockReview review = ReviewOf(block, requests, passes.total);
+  const int of_edits = AddEdits(block, edit_requests, folder, list);
+  review.num_requests += of_edits;
+  review.num_open += of_edits;  // one that was settled is in doubt no more
   const fs::path grid = FileOf(block.name, files.grids, "grid");
   list->blocks.push_back({.name = block.name,
                           .tied = block.solution.tied,
                           .crs = block.solution.frame.crs,
                           .map = grid.lexically_proximate(folder).generic_string(),
-                          .review = ReviewOf(block, requests, passes.total)});
+                          .review = review});
 }
 
 void RemoveOldPictures(const formats::RequestList& list, const fs::path& folder) {
@@ -193,10 +222,12 @@ void Summarize(const formats::RequestList& list, pipeline::StageRun& run) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  pipeline::Stage stage("requests", "List what a person should look at: places where the poses are in doubt.",
-                        "plumbline requests --session B1=work/B1/session.sqlite --track B1=work/B1/track.sqlite "
-                        "--loops B1=work/B1/loops.sqlite --solution B1=work/B1/solution.sqlite "
-                        "--grid B1=work/B1/grid.tif --output work/requests.jsonl");
+  pipeline::Stage stage(
+      "requests",
+      "List what a person should look at: places where the poses are in doubt, edits that could not follow.",
+      "plumbline requests --session B1=work/B1/session.sqlite --track B1=work/B1/track.sqlite "
+      "--loops B1=work/B1/loops.sqlite --solution B1=work/B1/solution.sqlite "
+      "--grid B1=work/B1/grid.tif --output work/requests.jsonl");
   RequestFiles files;
   survey::RequestOptions options;
   stage.NamedInputs("session", &files.sessions, "session of each block", true);
@@ -206,6 +237,7 @@ int main(int argc, char** argv) {
   stage.NamedInputs("grid", &files.grids, "map of each block, for the pictures", true);
   stage.NamedInputs("answers", &files.answers, "a person's answers, JSON, each with the name of its block", false,
                     pipeline::Content::kParsed);
+  stage.NamedInputs("edits", &files.edits, "doubtful_edits.json of each block", false);
   stage.Output("output", &files.output, "requests.jsonl to write; pictures go into the folder requests beside it");
   stage.Option("least-doubt-m", &options.least_doubt_m, "smaller doubts about a pose are not asked (m)",
                {.min = 0.0, .max = 10.0});
@@ -214,11 +246,12 @@ int main(int argc, char** argv) {
                {.min = 0.5, .max = 100.0});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     formats::RequestList list;
+    const std::vector<survey::EditRequest> of_edits = survey::MakeEditRequests(pipeline::ReadBlockEdits(files.edits));
     for (const NamedFile& session : files.sessions) {
       const Block block = ReadBlock(session.name, files);
       if (!block.answers.empty())
         run.AddInput({"answers " + block.name, formats::Sha256(formats::CanonicalText(block.answers))});
-      AddBlock(block, options, files, &list);
+      AddBlock(block, options, files, of_edits, &list);
     }
     formats::Rank(&list.requests);
     formats::WriteRequests(files.output, list, run.Provenance());

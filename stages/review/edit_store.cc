@@ -44,9 +44,9 @@ survey::MapEdit RetirementFromJson(const json& object) {
 
 LedgerLine LineFromJson(json object, const std::string& where) {
   const LedgerOperation operation = OperationOf(object);
-  if (operation == LedgerOperation::kRetire) return {operation, RetirementFromJson(object)};
+  if (operation == LedgerOperation::kRetire) return {operation, RetirementFromJson(object), where};
   object.erase("op");
-  return {operation, formats::EditFromJson(object, where)};
+  return {operation, formats::EditFromJson(object, where), where};
 }
 
 // Where the last run has put the edits, and what it found about them.

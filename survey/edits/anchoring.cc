@@ -167,6 +167,7 @@ AppliedEdit MovedWithScans(const MapEdit& edit, const std::vector<std::optional<
   for (std::size_t i = 0; i < drawn.size(); ++i) {
     if (!is_held[i] && edit.kind != EditKind::kAdjust) vertices[i] += BlendedShift(drawn[i], held, shifts);
   }
+  moved.drawn = edit.parts;
   PutVertices(vertices, &moved.edit);
   moved.area_change = AreaChange(edit, moved.edit);
   if (edit.kind != EditKind::kCells && edit.kind != EditKind::kAdjust) moved.residual_m = Residual(drawn, vertices);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +17,8 @@ constexpr int kFewCells = 3;
 // Log-odds of three rays through a cell ([CN] eq. (1) with p_miss = 0.45), and their opposite.
 constexpr float kEvidence = 0.6F;
 constexpr double kStaleShare = 0.5;
+// An edit whose scans are all gone may be off by as much as one at a break of the track.
+constexpr double kOfLost_m = 1.0;
 
 bool Concerns(const MapEdit& edit, const std::string& block) {
   if (edit.kind == EditKind::kMaskReturns) return edit.beams.contains(block);
@@ -70,7 +73,8 @@ class MapEditor {
       findings.push_back(
           {FindingKind::kConflict,
            {first.uid, second.uid},
-           Titled(first) + " and " + Titled(second) + " contradict each other in " + std::to_string(cells) + " cells"});
+           Titled(first) + " and " + Titled(second) + " contradict each other in " + std::to_string(cells) + " cells",
+           0.0});
     }
     return findings;
   }
@@ -108,13 +112,17 @@ void FindStale(const std::string& block, const MapEdit& edit, const SiteRaster& 
   findings->push_back({FindingKind::kStale,
                        {edit.uid},
                        Titled(edit) + ": the newer scans of " + block + " contradict it in " + std::to_string(against) +
-                           " of " + std::to_string(observed) + " cells"});
+                           " of " + std::to_string(observed) + " cells",
+                       static_cast<double>(against) / observed});
 }
 
 void FindPoorRefit(const AppliedEdit& applied, const RefitLimits& limits, std::vector<EditFinding>* findings) {
+  if (applied.edit.kind == EditKind::kMaskReturns) return;  // its beams hold whatever becomes of the poses
   char reason[160] = "";
+  double size_m = applied.residual_m;
   if (applied.lost > 0) {
     std::snprintf(reason, sizeof reason, "the scans under %d of %d vertices are gone", applied.lost, applied.vertices);
+    size_m = std::max(size_m, kOfLost_m * applied.lost / applied.vertices);
   } else if (applied.residual_m > limits.residual_m) {
     std::snprintf(reason, sizeof reason, "the map under it was bent by %.2f m", applied.residual_m);
   } else if (std::abs(applied.area_change) > limits.area_change) {
@@ -122,7 +130,7 @@ void FindPoorRefit(const AppliedEdit& applied, const RefitLimits& limits, std::v
   } else {
     return;
   }
-  findings->push_back({FindingKind::kEditReview, {applied.edit.uid}, Titled(applied.edit) + ": " + reason});
+  findings->push_back({FindingKind::kEditReview, {applied.edit.uid}, Titled(applied.edit) + ": " + reason, size_m});
 }
 
 std::int64_t CountDifferent(const std::vector<float>& a, const std::vector<float>& b) {
@@ -163,6 +171,20 @@ BlockEdits ApplyEdits(const std::string& block, std::vector<AppliedEdit> edits, 
   for (EditFinding& conflict : editor.Conflicts()) result.findings.push_back(std::move(conflict));
   result.edited_cells = CountDifferent(before, grid->log_odds);
   return result;
+}
+
+BlockEdits Doubtful(const BlockEdits& edits) {
+  BlockEdits doubtful{.block = edits.block};
+  std::set<std::string> uids;
+  for (const EditFinding& finding : edits.findings) {
+    if (finding.kind == FindingKind::kConflict) continue;
+    doubtful.findings.push_back(finding);
+    uids.insert(finding.uids.front());
+  }
+  for (const AppliedEdit& applied : edits.edits) {
+    if (uids.contains(applied.edit.uid)) doubtful.edits.push_back(applied);
+  }
+  return doubtful;
 }
 
 }  // namespace survey

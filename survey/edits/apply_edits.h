@@ -31,4 +31,7 @@ std::vector<AppliedEdit> EditsOfBlock(const std::string& block, const std::vecto
 BlockEdits ApplyEdits(const std::string& block, std::vector<AppliedEdit> edits, const RefitLimits& limits,
                       SiteRaster* grid);
 
+// Of these the edits that a person is asked about, with what was found about them.
+BlockEdits Doubtful(const BlockEdits& edits);
+
 }  // namespace survey

@@ -13,8 +13,9 @@
 namespace survey {
 
 struct AppliedEdit {
-  MapEdit edit;                    // its parts where the block's solution puts them
-  std::int64_t changed_cells = 0;  // of the map, when it was applied
+  MapEdit edit;                                       // its parts where the block's solution puts them
+  std::vector<std::vector<Eigen::Vector2d>> drawn{};  // the parts as drawn, where scans have moved them
+  std::int64_t changed_cells = 0;                     // of the map, when it was applied
   int vertices = 0;
   int anchored = 0;          // vertices that hang on a scan of the block
   int lost = 0;              // vertices that hung on a scan that is gone
@@ -23,7 +24,14 @@ struct AppliedEdit {
   double area_change = 0.0;  // of an area, relative
 };
 
-// What a person should look at.
+inline MapEdit AsDrawn(const AppliedEdit& applied) {
+  MapEdit edit = applied.edit;
+  if (!applied.drawn.empty()) edit.parts = applied.drawn;
+  return edit;
+}
+
+// What a person should look at. Of the last two he may say what is to become of the edit, so they are asked
+// (survey/review/edit_request.h); a conflict stops the run.
 enum class FindingKind {
   kConflict,    // two people say opposite things of the same place
   kStale,       // newer scans speak against the edit
@@ -46,6 +54,7 @@ struct EditFinding {
   FindingKind kind = FindingKind::kEditReview;
   std::vector<std::string> uids;
   std::string message;  // for people
+  double size_m = 0.0;  // by how much the edit may be off; of a conflict 0
 };
 
 struct BlockEdits {

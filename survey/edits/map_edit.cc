@@ -38,6 +38,10 @@ Bounds BoundsOf(const MapEdit& edit) {
   return bounds;
 }
 
+double Distance(const Bounds& bounds, const SiteRaster& raster) {
+  return (LowCornerOf(raster) - bounds.high).cwiseMax(bounds.low - HighCornerOf(raster)).cwiseMax(0.0).norm();
+}
+
 float LogOddsOf(CellState state) {
   if (state == CellState::kUnknown) return kUnknownLogOdds;
   return state == CellState::kOccupied ? kEditedLogOdds : -kEditedLogOdds;
@@ -156,12 +160,8 @@ std::optional<Vector2d> FindSelfCrossing(const MapEdit& edit) {
   return std::nullopt;
 }
 
-double DistanceToRaster(const MapEdit& edit, const SiteRaster& raster) {
-  const Bounds bounds = BoundsOf(edit);
-  const double s = raster.cell_size_m;
-  const Vector2d low(static_cast<double>(raster.min_column) * s, static_cast<double>(raster.min_row) * s);
-  const Vector2d high = low + s * Vector2d(raster.width, raster.height);
-  return (low - bounds.high).cwiseMax(bounds.low - high).cwiseMax(0.0).norm();
-}
+double DistanceToRaster(const MapEdit& edit, const SiteRaster& raster) { return Distance(BoundsOf(edit), raster); }
+
+double DistanceToRaster(const Eigen::Vector2d& p, const SiteRaster& raster) { return Distance({p, p}, raster); }
 
 }  // namespace survey

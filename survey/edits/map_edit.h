@@ -45,6 +45,8 @@ struct MapEdit {
   ObstacleClass obstacle = ObstacleClass::kNone;
   EditFrame frame = EditFrame::kMap;
   double sigma_m = 0.05;             // of a vertex, per axis
+  std::optional<StampNs> from_ns;    // of kMaskReturns: returns of scans from ...
+  std::optional<StampNs> until_ns;   // ... to this stamp, both included; empty: of all earlier, later ones
   std::string who, when, why, tool;  // when: 2026-11-28T10:15:00Z
   std::vector<std::string> supersedes;
 
@@ -81,8 +83,8 @@ std::int64_t ApplyEdit(const MapEdit& edit, SiteRaster* raster);
 // rings are simple and apart.
 std::optional<Eigen::Vector2d> FindSelfCrossing(const MapEdit& edit);
 
-// Distance from the raster's rectangle to the nearest corner of the edit, 0 when one lies inside or the edit's bounding
-// box meets the rectangle (m).
+// Distance from the raster's rectangle to the edit's bounding box, 0 when they meet (m).
 double DistanceToRaster(const MapEdit& edit, const SiteRaster& raster);
+double DistanceToRaster(const Eigen::Vector2d& p, const SiteRaster& raster);
 
 }  // namespace survey

@@ -29,6 +29,10 @@ void AddRuns(const MapEdit& area, StampNs stamp_ns, std::span<const float> range
   }
 }
 
+bool IsInTime(const MapEdit& area, StampNs stamp_ns) {
+  return stamp_ns >= area.from_ns.value_or(stamp_ns) && stamp_ns <= area.until_ns.value_or(stamp_ns);
+}
+
 }  // namespace
 
 std::vector<MaskedBeams> BeamsInside(const MapEdit& area, const Session& session,
@@ -37,6 +41,7 @@ std::vector<MaskedBeams> BeamsInside(const MapEdit& area, const Session& session
   std::vector<float> buffer;
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
     const Scan& scan = session.scans[i];
+    if (!IsInTime(area, scan.stamp_ns)) continue;
     AddRuns(area, scan.stamp_ns, RangesOf(session, i, &buffer),
             session.geometries[static_cast<std::size_t>(scan.geometry)], site_from_scan[i], &runs);
   }

@@ -15,7 +15,8 @@
 
 namespace survey {
 
-// Runs of beams with end points in the area, in order of scans and beams. Poses: of every scan, in the session's order.
+// Runs of beams of the mask's time with end points in its area, in order of scans and beams. Poses: of every scan, in
+// the session's order.
 std::vector<MaskedBeams> BeamsInside(const MapEdit& area, const Session& session,
                                      const std::vector<Pose2>& site_from_scan);
 

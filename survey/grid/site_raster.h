@@ -50,4 +50,13 @@ struct SiteRaster {
   }
 };
 
+// South-western and north-eastern corner, site frame (m).
+inline Eigen::Vector2d LowCornerOf(const SiteRaster& raster) {
+  return raster.cell_size_m *
+         Eigen::Vector2d(static_cast<double>(raster.min_column), static_cast<double>(raster.min_row));
+}
+inline Eigen::Vector2d HighCornerOf(const SiteRaster& raster) {
+  return LowCornerOf(raster) + raster.cell_size_m * Eigen::Vector2d(raster.width, raster.height);
+}
+
 }  // namespace survey

@@ -30,6 +30,7 @@ function requestAbout(block, poses, i, rank) {
   const reference = poses[i - 30];
   return {
     id: `${block}-${ns}-contradiction`,
+    kind: "pose",
     block,
     rank,
     stamp_ns: ns,
@@ -48,14 +49,31 @@ function requestAbout(block, poses, i, rank) {
   };
 }
 
-// Writes `count` requests, spread over blocks A and B, and returns them.
-export function writeRequests(site, count) {
+// About an edit of the ledger that lies where it was drawn, as if that had been 0.3 m farther south.
+function requestAboutEdit({ uid, rev, kind, geometry, frame, who, when }, rank) {
+  const moved = (value) => (typeof value[0] === "number" ? [value[0], value[1] - 0.3] : value.map(moved));
+  return {
+    id: `A-${uid}-edit_review`,
+    kind: "edit",
+    block: "A",
+    rank,
+    causes: [{ cause: "edit_review", score: 0.3, message: `${kind} ${uid} (${who}, ${when}): the map under it was bent by 0.30 m` }],
+    score: 0.3,
+    edit: { uid, rev, kind, geometry, frame, who, when },
+    drawn: { type: geometry.type, coordinates: moved(geometry.coordinates) },
+    picture: null,
+  };
+}
+
+// Writes `count` requests, spread over blocks A and B, and those about edits of the ledger; returns them.
+export function writeRequests(site, count, edits = []) {
   const requests = [];
   for (const block of ["A", "B"]) {
     const poses = posesOf(site, block);
     for (let k = 0; k < count / 2; ++k) requests.push(requestAbout(block, poses, 40 + 15 * k, requests.length + 1));
   }
-  const head = { format: "plumbline-requests", format_version: 1, num_requests: count, blocks: [], provenance: [] };
+  for (const edit of edits) requests.push(requestAboutEdit(edit, requests.length + 1));
+  const head = { format: "plumbline-requests", format_version: 2, num_requests: requests.length, blocks: [], provenance: [] };
   const lines = [head, ...requests].map((line) => JSON.stringify(line) + "\n");
   writeFileSync(join(site, "work", "requests.jsonl"), lines.join(""));
   return requests;

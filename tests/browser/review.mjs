@@ -7,6 +7,7 @@ import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
+import { checkContrast, checkLayers, checkTurnByMouse } from "./page_checks.mjs";
 import { writeRequests } from "./requests.mjs";
 import { clickSite, dragScan, openPage, siteUnder, startBrowser, startServer } from "./server.mjs";
 
@@ -35,6 +36,9 @@ const siteAt = (pixel) => siteUnder(page, pixel);
 async function numAnswered() {
   return page.locator('#requests button:not([data-state="open"])').count();
 }
+
+await checkContrast(page);
+await checkTurnByMouse(page, requests[0]);
 
 // ---------------------------------------------------------------------------------------------------------- answers
 
@@ -199,19 +203,72 @@ await settled("undone");
 assert.equal(ledger().at(-1).op, "retire");
 assert.equal(await page.locator("#edits li").count(), 19);
 
+// The times of a request for a mask over the people in its scan.
+await page.locator("#requests button").first().click();
+await press("8");
+await page.locator("#mask-of-request").click();
+assert.equal(await page.inputValue("#mask-from"), requests[0].from_ns);
+assert.equal(await page.inputValue("#mask-until"), requests[0].until_ns);
+await page.screenshot({ path: join(site, "mask.png") });
+await press("Escape");
+await checkLayers(page, ["uncertainty", "control", "edits", "keepout"]);
+assert.equal(await page.locator("#mask-times").isVisible(), false);
+
 // ---------------------------------------------------------------------------------------- somebody else, meanwhile
 
+const inDoubt = ledger().slice(0, 4); // a wall, an erased line, a region, an area set to unknown
+const about = writeRequests(site, 10, inDoubt).slice(10);
 const other = await openPage(browser, server.nextLink(), { width: 1024, height: 768 });
 await other.waitForFunction(() => document.documentElement.dataset.firstPicture);
 await other.fill("#operator", "Other Person");
+await other.locator("#map").click({ position: { x: 5, y: 5 } });
 await other.screenshot({ path: join(site, "tablet.png") });
+
+// Edits that could not follow the map: kept, put back, drawn anew, retired.
+const numSettled = (count) =>
+  other.waitForFunction((n) => document.querySelectorAll('#requests button:not([data-state="open"])').length === n, count);
+await other.keyboard.press("Enter");
+await numSettled(11);
+await other.locator("#edit-back").click();
+await numSettled(12);
+await other.locator("#edit-redraw").click();
+const corners = [];
+for (const pixel of [[400, 300], [460, 340]]) {
+  corners.push(await siteUnder(other, pixel));
+  await other.mouse.down();
+  await other.mouse.up();
+  await other.waitForTimeout(300);
+}
+await numSettled(13);
+await other.locator("#edit-retire").click();
+await numSettled(14);
+assert.equal(await other.locator("#edit-question").isVisible(), false, "nothing more is asked");
+
+function checkSettled() {
+  const lines = ledger().slice(-4);
+  assert.deepEqual(lines.map(({ op }) => op), ["modify", "modify", "modify", "retire"]);
+  assert.deepEqual(lines.map(({ uid }) => uid), inDoubt.map(({ uid }) => uid));
+  assert.deepEqual(lines.map(({ rev }) => rev), [2, 2, 2, 2]);
+  for (const { who } of lines) assert.equal(who, "Other Person");
+  assert.deepEqual(lines[0].geometry, inDoubt[0].geometry);
+  assert.equal(lines[0].width_m, inDoubt[0].width_m);
+  const [first] = lines[1].geometry.coordinates;
+  const [meant] = about[1].drawn.coordinates;
+  for (const k of [0, 1]) assert.ok(Math.abs(first[k] - meant[k]) < kMillimetre, `${first}, meant ${meant}`);
+  for (const corner of corners) {
+    const near = lines[2].geometry.coordinates[0].some(([x, y]) => Math.hypot(x - corner[0], y - corner[1]) < 2 * kMillimetre);
+    assert.ok(near, `${corner} is not among ${lines[2].geometry.coordinates}`);
+  }
+}
+checkSettled();
+
 await other.locator("#edits li button.small").first().click(); // undoes an edit that the first page still shows
-await other.waitForFunction(() => document.querySelectorAll("#edits li").length === 18);
+await other.waitForFunction(() => document.querySelectorAll("#edits li").length === 17);
 await page.locator("#requests button").first().click();
 await draw("1", [[700, 300], [900, 320]], "line_occupied"); // on a state that is stale by now
 await settled("Draw wall: saved");
-assert.equal(ledger().length, 23);
-assert.equal(await page.locator("#edits li").count(), 19); // the other person's undo is seen, too
+assert.equal(ledger().length, 27);
+assert.equal(await page.locator("#edits li").count(), 18); // what the other person undid and retired is gone, too
 
 // -------------------------------------------------------------------------------------------------- architect's plan
 
@@ -286,10 +343,10 @@ for (const [x, y] of [[500, 300], [600, 330]]) {
 await folder.keyboard.press("Enter");
 await folder.waitForFunction(() => document.querySelector("#status").textContent.includes("saved"));
 await folder.reload(); // what was decided is still there
-await folder.waitForFunction(() => document.querySelectorAll("#edits li").length === 20);
+await folder.waitForFunction(() => document.querySelectorAll("#edits li").length === 19);
 const [download] = await Promise.all([folder.waitForEvent("download"), folder.locator("#save").click()]);
 await download.saveAs(join(site, "saved.json"));
 await offline.close();
 execFileSync("plumbline-review", [site, "--import", join(site, "saved.json")]);
-assert.equal(ledger().length, 24);
+assert.equal(ledger().length, 28);
 assert.equal(ledger().at(-1).who, "Third Person");

@@ -79,6 +79,15 @@ TEST_F(EditPackageTest, MovedGoneAndNewByUid) {
   EXPECT_EQ(lines[2].edit.revision, 4);
 }
 
+TEST_F(EditPackageTest, AMaskMayHoldForATime) {
+  Sql("UPDATE edit_areas SET kind = 'mask_returns', from_ns = '1970-01-01T00:16:40Z', until_ns = '1003000000000' WHERE "
+      "uid = 'yard'");
+  const std::vector<LedgerLine> lines = ReadEditPackage(file_);
+  ASSERT_EQ(lines.size(), 1U);
+  EXPECT_EQ(lines[0].edit.from_ns, 1000000000000);
+  EXPECT_EQ(lines[0].edit.until_ns, 1003000000000);
+}
+
 TEST_F(EditPackageTest, WhatWasDrawnWronglyIsNamed) {
   const auto refusal = [&] {
     try {
@@ -112,7 +121,7 @@ TEST_F(EditPackageTest, BringsTheFormForQgis) {
   const std::string qml = row->GetFieldAsString(0);
   EXPECT_EQ(row->GetFieldAsInteger(1), 1);
   for (const char* part : {"value=\"mask_returns\"", "name=\"down stairs (type 3)\"", "WithoutBraces",
-                           "<constraint field=\"kind\" constraints=\"1\""})
+                           "masked from (UTC or stamp)", "<constraint field=\"kind\" constraints=\"1\""})
     EXPECT_NE(qml.find(part), std::string::npos) << part;
   EXPECT_EQ(qml.find("line_occupied"), std::string::npos) << "not of areas";
   data->ReleaseResultSet(styles);

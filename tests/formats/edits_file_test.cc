@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "formats/atomic_file.h"
+#include "formats/edit_json.h"
 #include "formats/errors.h"
+#include "formats/stamp_text.h"
 #include "tests/support/scratch_folder.h"
 
 namespace formats {
@@ -49,6 +51,18 @@ TEST(ReadEdits, ReadsWhatQgisAndPeopleWrite) {
   EXPECT_FALSE(edits[1].width_m);
 }
 
+TEST(ReadEdits, MasksMayHoldForATime) {
+  const auto edits = Read(Collection(
+      Feature(R"({"kind": "mask_returns", "from_ns": "1970-01-02T00:00:01.5Z", "until_ns": 99999999999999})", kSquare) +
+      "," + Feature(R"({"kind": "mask_returns", "from_ns": "", "until_ns": "1048200000000000001"})", kSquare)));
+  EXPECT_EQ(edits.at(0).from_ns, 86401500000000);
+  EXPECT_EQ(edits[0].until_ns, 99999999999999);
+  EXPECT_FALSE(edits.at(1).from_ns);
+  EXPECT_EQ(edits[1].until_ns, 1048200000000000001) << "a double would end in ...000";
+  EXPECT_EQ(EditFromJson(ToJson(edits[1]), "").until_ns, edits[1].until_ns);
+  EXPECT_EQ(StampFromText("2026-11-28T10:15:00Z"), 1795860900000000000);
+}
+
 TEST(ReadEdits, EveryMistakeIsNamedWithFileAndFeature) {
   const std::string line = R"({"kind": "line_free"})";
   const std::string area = R"({"kind": "area_free"})";
@@ -77,6 +91,12 @@ TEST(ReadEdits, EveryMistakeIsNamedWithFileAndFeature) {
       {Collection(Feature(R"({"kind": "area_free", "width_m": 1})", kSquare)), "width_m is for lines"},
       {Collection(Feature(R"({"kind": "area_free", "state": "free"})", kSquare)), "state is for cells"},
       {Collection(Feature(R"({"kind": "cells"})", kSquare)), "state is missing"},
+      {Collection(Feature(R"({"kind": "mask_returns", "from_ns": "2026-02-30T10:00:00Z"})", kSquare)),
+       "from_ns = \"2026-02-30T10:00:00Z\": must be a scan's stamp in ns or a time in UTC"},
+      {Collection(Feature(R"({"kind": "mask_returns", "from_ns": 7, "until_ns": 6})", kSquare)),
+       "until_ns = 6: must not come before from_ns"},
+      {Collection(Feature(R"({"kind": "forbidden", "from_ns": 7})", kSquare)),
+       "are for mask_returns, not for forbidden"},
       {Collection(Feature(line, "null")), "geometry is missing"},
       {Collection(Feature(line, "[]")), "geometry []: line_free needs a LineString"},
       {Collection(Feature(line, kSquare)), "geometry Polygon: line_free needs a LineString"},
@@ -119,8 +139,9 @@ TEST(ReadEdits, SurvivesAnyMember) {
                                 "[1, 2]",
                                 "18446744073709551615"};
   int accepted = 0;
-  for (const char* member : {"uid", "kind", "class", "state", "width_m", "frame", "sigma_m", "who", "when", "why",
-                             "tool", "supersedes", "basis", "anchors", "beams", "rev", "geometry"}) {
+  for (const char* member :
+       {"uid", "kind", "class", "state", "width_m", "frame", "sigma_m", "who", "when", "why", "tool", "supersedes",
+        "basis", "anchors", "beams", "rev", "from_ns", "until_ns", "geometry"}) {
     for (const char* value : values) {
       const std::string properties = R"({"kind": "line_free", ")" + std::string(member) + "\": " + value + "}";
       WriteFileAtomically(scratch / "cars.geojson", Collection(Feature(properties, kLine)));

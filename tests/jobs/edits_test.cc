@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Map edits in a whole site, by the real executables: drawn, applied, following control, masked, undone, refused.
+#include <gdal_priv.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "formats/artefacts.h"
 #include "formats/atomic_file.h"
+#include "formats/edit_json.h"
 #include "formats/edit_ledger.h"
 #include "formats/raster_file.h"
 #include "tests/support/job_site.h"
@@ -18,6 +21,15 @@ using nlohmann::json;
 using test_support::CommandResult;
 using test_support::JobSite;
 using test_support::ReplaceInFile;
+
+// As QGIS does when a person deletes the features of a layer.
+void DeleteAreas(const fs::path& package) {
+  GDALAllRegister();
+  const GDALDatasetUniquePtr data(
+      GDALDataset::Open(package.c_str(), GDAL_OF_VECTOR | GDAL_OF_UPDATE, nullptr, nullptr, nullptr));
+  ASSERT_NE(data, nullptr);
+  data->ReleaseResultSet(data->ExecuteSQL("DELETE FROM edit_areas", nullptr, nullptr));
+}
 
 class EditsTest : public testing::Test {
  protected:
@@ -75,6 +87,46 @@ TEST_F(EditsTest, AnEditFollowsItsWallWhenControlChanges) {
   EXPECT_NE(lines.find(": torn down"), std::string::npos) << lines;
 }
 
+// With no bend allowed, the wall is asked about as soon as its control moves; a person says that it lies well.
+TEST_F(EditsTest, AnEditThatCouldNotFollowIsAskedAboutUntilSomebodySettlesIt) {
+  const auto requests = [&] {
+    std::vector<json> of_edits;
+    std::istringstream lines(formats::ReadWholeFile(site_ / "work/requests.jsonl"));
+    for (std::string line; std::getline(lines, line);) {
+      if (json::parse(line).value("kind", "") == "edit") of_edits.push_back(json::parse(line));
+    }
+    return of_edits;
+  };
+  const json wall = {{500103.0, 5600209.85}, {500106.0, 5600209.85}};
+  ASSERT_EQ(Draw({{"uid", "wall"}, {"kind", "line_occupied"}, {"width_m", 0.1}}, wall, "LineString").status, 0);
+  const auto stages = site_.StagesOfRun();
+  EXPECT_EQ(std::count(stages.begin(), stages.end(), "A edit"), 1);
+  EXPECT_EQ(std::count(stages.begin(), stages.end(), "requests"), 0) << "an edit without doubt changes nothing there";
+  ReplaceInFile(site_ / "site.toml", "# refit-residual-m = 0.15", "refit-residual-m = 0.0");
+  ReplaceInFile(site_ / "control/points.csv", "1,5600201.9973,", "1,5600201.9773,");
+  EXPECT_EQ(site_.Run().status, 0);
+  ASSERT_EQ(requests().size(), 1U);
+  const json request = requests()[0];
+  EXPECT_EQ(request["edit"]["uid"], "wall");
+  EXPECT_EQ(request["causes"][0]["cause"], "edit_review");
+  EXPECT_EQ(request["drawn"]["coordinates"][0][1], 5600209.85);
+  EXPECT_NE(request["edit"]["geometry"], request["drawn"]);
+  EXPECT_TRUE(fs::exists(site_ / "work" / request["picture"].get<std::string>()));
+  const std::string status = test_support::RunCommand({"plumbline", "status", site_.path().string()}).out;
+  EXPECT_NE(status.find("review requests have no answer"), std::string::npos) << status;
+
+  ASSERT_EQ(Edits("keep", {"--uid", "wall", "--who", "CD", "--why", "looked at it"}).status, 0);
+  const survey::MapEdit kept = formats::ReadLedger(site_ / "edits/ledger.jsonl").Active().at(0);
+  EXPECT_EQ(kept.revision, 2);
+  EXPECT_EQ(kept.who, "CD");
+  EXPECT_EQ(formats::GeometryToJson(kept), request["edit"]["geometry"]) << "where it lies now";
+  const auto settling = site_.StagesOfRun();
+  EXPECT_EQ(std::count(settling.begin(), settling.end(), "requests"), 1);
+  EXPECT_EQ(std::count(settling.begin(), settling.end(), "A adjust"), 0);
+  EXPECT_TRUE(requests().empty());
+  EXPECT_FALSE(fs::exists(site_ / "work" / request["picture"].get<std::string>()));
+}
+
 TEST_F(EditsTest, AMaskReachesBackToTheFieldDataAndIsUndone) {
   const auto before = site_.Results();
   // The pillar in room A, as if it were a passer-by.
@@ -91,10 +143,27 @@ TEST_F(EditsTest, AMaskReachesBackToTheFieldDataAndIsUndone) {
     }
   }
   EXPECT_EQ(walls, 0) << "the pillar is gone";
+  // The session holds these returns no more: a new revision keeps the beams.
+  const auto beams = formats::ReadLedger(site_ / "edits/ledger.jsonl").Active().at(0).beams;
+  ASSERT_EQ(Edits("keep", {"--uid", "pillar", "--who", "AB"}).status, 0);
+  EXPECT_EQ(formats::ReadLedger(site_ / "edits/ledger.jsonl").Active().at(0).beams, beams);
   ASSERT_EQ(Edits("retire", {"--uid", "pillar", "--who", "AB"}).status, 0);
   EXPECT_EQ(site_.Run().status, 0);
   for (const char* file : {"work/A/session.sqlite", "work/A/solution.sqlite", "work/A/map.tif", "out/site.tif"})
     EXPECT_EQ(site_.Results().at(file), before.at(file)) << file;
+}
+
+// Of the passes by the pillar only the one of the first seconds.
+TEST_F(EditsTest, AMaskOfATimeLeavesOtherScansAlone) {
+  const json place = Rectangle(3.5, 4.5, 1.0, 1.0);
+  ASSERT_EQ(Draw({{"uid", "always"}, {"kind", "mask_returns"}}, place).status, 0);
+  ASSERT_EQ(Draw({{"uid", "once"}, {"kind", "mask_returns"}, {"until_ns", "1970-01-01T00:16:44Z"}}, place).status, 0);
+  const std::vector<survey::MapEdit> masks = formats::ReadLedger(site_ / "edits/ledger.jsonl").Active();
+  const std::vector<survey::MaskedBeams>& once = masks.at(1).beams.at("A");
+  EXPECT_LT(once.size(), masks[0].beams.at("A").size());
+  for (const survey::MaskedBeams& beams : once) EXPECT_LE(beams.stamp_ns, 1004000000000);
+  const CommandResult never = Draw({{"kind", "mask_returns"}, {"until_ns", "5"}}, place);
+  EXPECT_NE(never.err.find("no scan has a return from there in that time"), std::string::npos) << never.err;
 }
 
 // An arrow of 2 cm beside control of 2 mm: observed and told, but control holds. One of 2 m is left out.
@@ -150,6 +219,92 @@ TEST_F(EditsTest, DrawnInQgisAndAccepted) {
   const std::string ledger = formats::ReadWholeFile(site_ / "edits/ledger.jsonl");
   EXPECT_NE(Edits("accept", {"--from", package, "--who", "CD"}).err.find("nothing was changed"), std::string::npos);
   EXPECT_EQ(formats::ReadWholeFile(site_ / "edits/ledger.jsonl"), ledger);
+  DeleteAreas(package);
+  ASSERT_EQ(Edits("accept", {"--from", package, "--who", "CD"}).status, 0);
+  EXPECT_TRUE(formats::ReadLedger(site_ / "edits/ledger.jsonl").Active().empty());
+  EXPECT_EQ(Edits("accept", {"--from", package, "--who", "CD"}).status, 1) << "the edit is gone already";
+}
+
+// The door between the rooms is forbidden: mask and shapes say so, and the way through it is gone ([AS] figure 12).
+TEST_F(EditsTest, RobotsKeepOutOfAForbiddenDoor) {
+  ASSERT_EQ(Draw({{"uid", "door"}, {"kind", "forbidden"}, {"class", "virtual"}}, Rectangle(7.8, 3.4, 0.4, 3.2)).status,
+            0);
+  ASSERT_EQ(site_.Run().status, 0);
+  formats::RasterLabel label;
+  const survey::SiteRaster frame = formats::ReadRasterFrame(site_ / "out/site.tif", &label);
+  const std::string mask = formats::ReadWholeFile(site_ / "out/ros/keepout.pgm");
+  const auto pixel = [&](double x, double y) {  // rows of a PGM count from the north
+    const auto cell = frame.CellOf({500100.0 + x, 5600200.0 + y});
+    const std::int64_t behind = (frame.height - 1 - cell.y()) * frame.width + cell.x();
+    const std::size_t header =
+        mask.size() - static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
+    return static_cast<unsigned char>(mask.at(header + static_cast<std::size_t>(behind)));
+  };
+  EXPECT_EQ(pixel(8.0, 5.0), 0);
+  EXPECT_EQ(pixel(7.0, 5.0), 254);
+  EXPECT_EQ(pixel(8.0, 8.0), 254) << "a wall is no forbidden area";
+  const std::string shapes = formats::ReadWholeFile(site_ / "out/ros/vector_objects.yaml");
+  char corner[64];
+  const Eigen::Vector2d low = survey::LowCornerOf(frame);
+  std::snprintf(corner, sizeof corner, "points: [%.3f, %.3f, ", 500107.8 - low.x(), 5600203.4 - low.y());
+  for (const char* part : {"# edit door", "closed: true", "value: 100", static_cast<const char*>(corner)})
+    EXPECT_NE(shapes.find(part), std::string::npos) << part << " in\n" << shapes;
+
+  formats::WriteFileAtomically(
+      site_ / "goals.csv", "name,easting,northing\nhome,500103,5600203\nnear,500105,5600208\nnext,500113,5600203\n");
+  const CommandResult check = test_support::RunCommand(
+      {"plumbline-navcheck", "--grid", "A=" + (site_ / "work/A/grid.tif").string(),
+       "B=" + (site_ / "work/B/grid.tif").string(), "--map", "A=" + (site_ / "work/A/map.tif").string(),
+       "B=" + (site_ / "work/B/map.tif").string(), "--edits", "A=" + (site_ / "work/A/edits.json").string(),
+       "B=" + (site_ / "work/B/edits.json").string(), "--goals", site_ / "goals.csv", "--output", site_ / "nav.json"});
+  ASSERT_EQ(check.status, 0) << check.err;
+  const json goals = json::parse(formats::ReadWholeFile(site_ / "nav.json"))["goals"];
+  EXPECT_EQ(goals[0]["after"]["reachable"], true);
+  EXPECT_EQ(goals[1]["before"]["reachable"], true);
+  EXPECT_EQ(goals[1]["after"]["reachable"], false);
+}
+
+// An AR client that speaks rosbridge gets the map, occupies a square and sets the pose of a scan.
+TEST_F(EditsTest, AnArClientSendsItsMapBack) {
+  const std::string exported = site_ / "map.rosbridge.jsonl";
+  const CommandResult out =
+      test_support::RunCommand({"plumbline-rosbridge", "--map", "A=" + (site_ / "work/A/map.tif").string(),
+                                "B=" + (site_ / "work/B/map.tif").string(), "--output", exported});
+  ASSERT_EQ(out.status, 0) << out.err;
+  std::istringstream lines(formats::ReadWholeFile(exported));
+  json map;
+  for (std::string line; std::getline(lines, line);) {
+    if (json::parse(line)["op"] == "publish") map = json::parse(line);
+  }
+  const json& info = map["msg"]["info"];
+  const auto index = [&](double x, double y) {
+    const double cell = info["resolution"];
+    const auto column = static_cast<int>((500100.0 + x - info["origin"]["position"]["x"].get<double>()) / cell);
+    const auto row = static_cast<int>((5600200.0 + y - info["origin"]["position"]["y"].get<double>()) / cell);
+    return static_cast<std::size_t>(row * info["width"].get<int>() + column);
+  };
+  for (const double x : {3.025, 3.075}) {
+    for (const double y : {3.025, 3.075}) map["msg"]["data"][index(x, y)] = 100;
+  }
+  const auto stamps = formats::ReadScanStamps(site_ / "work/A/track.sqlite");
+  json pose = {{"op", "publish"}, {"topic", "/initialpose"}};
+  pose["msg"]["header"]["stamp"] = {{"sec", stamps[40].clock_ns / 1000000000},
+                                    {"nanosec", stamps[40].clock_ns % 1000000000}};
+  pose["msg"]["pose"]["pose"]["position"] = {{"x", 500106.0}, {"y", 5600203.0}, {"z", 0}};
+  pose["msg"]["pose"]["pose"]["orientation"] = {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}};
+  pose["msg"]["pose"]["covariance"] = std::vector<double>(36, 0.01);
+  formats::WriteFileAtomically(site_ / "back.jsonl", map.dump() + "\n" + pose.dump() + "\n");
+  const CommandResult added = Edits("add", {"--from", site_ / "back.jsonl", "--who", "AB"});
+  ASSERT_EQ(added.status, 0) << added.err;
+  const std::vector<survey::MapEdit> edits = formats::ReadLedger(site_ / "edits/ledger.jsonl").Active();
+  ASSERT_EQ(edits.size(), 1U);
+  EXPECT_EQ(edits[0].kind, survey::EditKind::kCells);
+  EXPECT_EQ(edits[0].cells_state, survey::CellState::kOccupied);
+  const std::string stamp = std::to_string(stamps[40].clock_ns);
+  const json answer = json::parse(formats::ReadWholeFile(site_ / ("blocks/A/answers/rosbridge-" + stamp + ".json")));
+  EXPECT_EQ(answer["frame"], "site");
+  ASSERT_EQ(site_.Run({"A"}).status, 0);
+  EXPECT_EQ(Report("A")["edits"][0]["changed_cells"], 4);
 }
 
 TEST_F(EditsTest, WhatCannotBeIsRefusedAndNothingIsWritten) {
@@ -158,7 +313,18 @@ TEST_F(EditsTest, WhatCannotBeIsRefusedAndNothingIsWritten) {
     EXPECT_NE(result.err.find(told), std::string::npos) << result.err;
     EXPECT_FALSE(fs::exists(site_ / "edits/ledger.jsonl"));
   };
-  refused(Draw({{"kind", "area_free"}}, Rectangle(300, 0, 1, 1)), "m outside the map");
+  refused(
+      Draw({{"kind", "area_free"}}, Rectangle(300, 0, 1, 1)),
+      "drawn.geojson: feature 1: area_free: vertex 1 at E 500400.000 N 5600200.000 lies 282 m outside the map: the map "
+      "of block B reaches from E 500");
+  json slipped = Rectangle(3, 3, 1, 1);
+  slipped[0][2] = {500104.0, 5600302.0};
+  refused(Draw({{"kind", "forbidden"}}, slipped),
+          "feature 1: forbidden: vertex 3 at E 500104.000 N 5600302.000 lies 9");
+  for (const char* kind : {"forbidden", "area_free"})
+    refused(Draw({{"kind", kind}}, Rectangle(25, 0, 1, 1)), "lies outside the map and covers none of its cells");
+  refused(Draw({{"kind", "adjust"}}, {{{500120.0, 5600203.0}, {500112.0, 5600203.0}}}, "MultiLineString"),
+          "no scan drew the map at the tail of arrow 1, E 500120.000");
   refused(Draw({{"kind", "area_gone"}}, Rectangle(3, 3, 1, 1)), "drawn.geojson: feature 1: kind = \"area_gone\"");
   json crossed = Rectangle(3, 3, 1, 1);
   std::swap(crossed[0][1], crossed[0][2]);

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
@@ -260,9 +261,38 @@ TEST_F(ReviewTest, EditsOfTwoPeople) {
   bow["operations"][0]["kind"] = "area_free";
   bow["operations"][0]["geometry"] = {{"type", "Polygon"}, {"coordinates", {{{0, 0}, {1, 1}, {1, 0}, {0, 1}, {0, 0}}}}};
   EXPECT_NE(Append(bow, Head())->body.find("crosses"), std::string::npos);
+  json off = Wall("cccccccccccc");
+  off["operations"][0]["geometry"]["coordinates"][1][0] = 500904.0;
+  EXPECT_NE(Append(off, Head())->body.find("edit 1: line_occupied cccccccccccc: vertex 2 at E 500904.000"),
+            std::string::npos);
   const json edits = json::parse(client_.Get("/api/edits", session_)->body)["edits"];
   ASSERT_EQ(edits.size(), 2U);
   EXPECT_EQ(edits[1]["uid"], "bbbbbbbbbbbb");
+}
+
+// Of the whole site nothing changes but answers, the ledger, and the log that this test has its messages written to.
+TEST_F(ReviewTest, WritesNothingButAnswersAndEdits) {
+  const auto written = [&] {
+    std::map<std::string, fs::file_time_type> files;
+    for (const auto& entry : fs::recursive_directory_iterator(site_.path())) {
+      if (entry.is_regular_file()) files[fs::relative(entry.path(), site_.path())] = entry.last_write_time();
+    }
+    return files;
+  };
+  const auto before = written();
+  for (const char* document : {"site", "requests", "control", "seams", "answers", "edits"})
+    EXPECT_EQ(client_.Get(std::string("/api/") + document, session_)->status, 200);
+  EXPECT_EQ(client_.Get("/tiles/map/0/0/0.png", session_)->status, 200);
+  ASSERT_EQ(Put(Answer(), With(writing_, "If-None-Match", "*"))->status, 200);
+  ASSERT_EQ(Append(Wall("eeeeeeeeeeee"), Head())->status, 200);
+  int changed = 0;
+  for (const auto& [file, time] : written()) {
+    if (before.contains(file) && before.at(file) == time) continue;
+    ++changed;
+    const bool may = file.starts_with("blocks/A/answers/") || file.starts_with("edits/") || file == "review.log";
+    EXPECT_TRUE(may) << file;
+  }
+  EXPECT_GE(changed, 2);
 }
 
 TEST_F(ReviewTest, OneServerForASite) {

@@ -60,7 +60,8 @@ class StitchTest : public testing::Test {
 
   CommandResult Edit(const std::string& name) {
     return RunCommand({"plumbline-edit", "--grid", Path(name, "grid.tif"), "--solution", Path(name, "solution.sqlite"),
-                       "--output", Path(name, "map.tif"), "--report", Path(name, "edits.json")});
+                       "--output", Path(name, "map.tif"), "--report", Path(name, "edits.json"), "--doubtful",
+                       Path(name, "doubtful_edits.json")});
   }
 
   CommandResult Stitch(const std::vector<std::string>& names, const std::vector<std::string>& more = {}) {

@@ -19,7 +19,8 @@ class ArPage {
     this.watch = new Stopwatch();
     this.review = new Review(source, documents, () => this.scene.showEdits([...this.review.edits, ...this.tools.edits]));
     const control = documents.control.filter(({ role }) => role === "control");
-    const onSite = ({ block, answer }) => answer === null && documents.requests.frames[block] === "site";
+    const onSite = ({ kind, block, answer }) =>
+      kind === "pose" && answer === null && documents.requests.frames[block] === "site";
     this.alignment = new Alignment();
     this.tools = new ArTools(this.alignment, control, documents.requests.requests.filter(onSite));
     this.scene = new FloorScene(source);

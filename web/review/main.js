@@ -7,6 +7,7 @@ import { kDocuments, sourceOfPage } from "shared/source.js";
 import { Stopwatch } from "shared/stopwatch.js";
 import { backdropOf } from "review/backdrop.js";
 import { EditList } from "review/edit_list.js";
+import { EditQuestion } from "review/edit_question.js";
 import { EditsOnMap, kTools, titleOf } from "review/edits_on_map.js";
 import { listenToKeys } from "review/keys.js";
 import { SiteMap } from "review/map.js";
@@ -32,6 +33,11 @@ class Page {
       tell: (text, isError) => this.tell(text, isError),
       done: (relation, ends) => this.#relate(relation, ends),
     });
+    this.editQuestion = new EditQuestion(this.siteMap, {
+      settle: (edit, geometry) => this.#settle(() => this.review.revise(edit, geometry, this.#aboutEdit()), "settled"),
+      redraw: (edit) => this.#redraw(edit),
+      retire: (edit) => this.#settle(() => this.review.retire(edit, this.operator), "retired"),
+    });
     this.editsOnMap = new EditsOnMap(this.siteMap, (tool, geometry) => this.#drawn(tool, geometry));
     this.review = new Review(source, documents, () => this.#refresh());
     this.requestList = new RequestList(element("requests"), element("request-summary"), (request) => this.ask(request));
@@ -40,9 +46,9 @@ class Page {
       retire: (edit) => this.#attempt(() => this.review.retire(edit, this.operator), "undone"),
     });
     this.#wire();
-    this.requestList.show(documents.requests.requests, this.review.answers);
+    this.requestList.show(documents.requests.requests, this.review);
     this.#refresh();
-    this.ask(this.requestList.nextOpen(null, this.review.answers));
+    this.ask(this.requestList.nextOpen(null, this.review));
     this.watch.start();
   }
 
@@ -56,24 +62,31 @@ class Page {
     this.useTool(null);
     this.requestList.select(request);
     this.watch.start();
-    if (!request) {
-      this.question.hide();
-      return this.tell(this.requestList.requests.length ? "every request has an answer" : "no requests");
-    }
+    this.question.hide();
+    this.editQuestion.hide();
+    if (!request) return this.tell(this.requestList.requests.length ? "every request has an answer" : "no requests");
     this.siteMap.show(this.documents.requests.frames[request.block]);
+    if (request.kind === "edit") return this.editQuestion.show(request);
     this.siteMap.centreOn([request.estimate.x, request.estimate.y], kRequestWidth_m);
     const answer = answerFor(request, this.review.answers)?.answer;
-    this.question.show(request, answer, takesPose(request, this.documents.requests.blocks));
+    return this.question.show(request, answer, takesPose(request, this.documents.requests.blocks));
   }
 
-  // What is shown is right: the estimate, one of the places offered, or where the person has moved the scan.
+  // The request when it asks about a scan.
+  get poseRequest() {
+    return this.request?.kind === "edit" ? null : this.request;
+  }
+
+  // What is shown is right: the estimate, one of the places offered, where the person has moved the scan, or an edit where
+  // it lies.
   accept() {
     if (this.editsOnMap.tool) return this.editsOnMap.finish();
+    if (this.request?.kind === "edit") return this.editQuestion.keep();
     return this.#answerWithPose(this.question.decision, true);
   }
 
   #answerWithPose(decision, thenNext) {
-    if (!this.request) return undefined;
+    if (!this.poseRequest) return undefined;
     if (!takesPose(this.request, this.documents.requests.blocks)) {
       return this.tell("no earlier scan to refer to, and the block is not tied to the site: skip or reject it");
     }
@@ -82,7 +95,7 @@ class Page {
   }
 
   rejectStretch() {
-    if (this.request) this.#answer(rejectionOf(this.request, this.watch.about(this.operator)), true);
+    if (this.poseRequest) this.#answer(rejectionOf(this.request, this.watch.about(this.operator)), true);
   }
 
   async #relate(relation, ends) {
@@ -92,7 +105,7 @@ class Page {
   }
 
   skip() {
-    if (this.request) this.#answer(answerTo(this.request, "skip", this.watch.about(this.operator)), true);
+    if (this.poseRequest) this.#answer(answerTo(this.request, "skip", this.watch.about(this.operator)), true);
   }
 
   #takeWalls(relation) {
@@ -106,12 +119,34 @@ class Page {
     if (done && thenNext && this.request === request) this.next();
   }
 
+  // A decision about an edit, then the next request.
+  async #settle(step, success) {
+    const { request } = this;
+    if ((await this.#attempt(step, success)) && this.request === request) this.next();
+  }
+
+  #redraw(edit) {
+    this.useTool(kTools.find(({ kind }) => kind === edit.kind));
+    this.redrawn = edit;
+    this.tell(`draw it anew: ${titleOf(edit.kind)}`);
+  }
+
+  #maskOverRequest() {
+    element("mask-from").value = this.poseRequest.from_ns;
+    element("mask-until").value = this.poseRequest.until_ns;
+  }
+
+  #aboutEdit() {
+    return { who: this.operator, tool: this.watch.tool, basis: this.documents.site.basis };
+  }
+
   next() {
-    this.ask(this.requestList.nextOpen(this.request, this.review.answers));
+    this.ask(this.requestList.nextOpen(this.request, this.review));
   }
 
   useTool(tool) {
     const taken = tool && tool !== this.editsOnMap.tool ? tool : null;
+    this.redrawn = null; // an edit that gets what is drawn
     this.walls.start(null);
     if (taken) this.siteMap.show("site");
     this.editsOnMap.use(taken);
@@ -119,16 +154,25 @@ class Page {
       button.setAttribute("aria-pressed", String(button.dataset.kind === taken?.kind));
     }
     element("drawing").hidden = !taken;
+    element("mask-times").hidden = taken?.kind !== "mask_returns";
+    element("mask-of-request").disabled = !this.poseRequest;
     this.watch.start();
   }
 
   async #drawn(tool, geometry) {
+    if (this.redrawn) {
+      const edit = this.redrawn;
+      return this.#settle(() => this.review.revise(edit, geometry, this.#aboutEdit()), `${tool.title}: drawn anew`);
+    }
     const number = (id) => Number(element(id).value);
     const measured = element("measured").checked;
+    const timeOf = (id) => (tool.kind === "mask_returns" ? element(id).value.trim() : undefined);
     const attributes = {
       kind: tool.kind,
       width_m: tool.wide ? number("width") : undefined,
       class: element("class").value,
+      from_ns: timeOf("mask-from"),
+      until_ns: timeOf("mask-until"),
       frame: measured ? "site" : undefined,
       basis: measured ? undefined : this.documents.site.basis,
       why: element("why").value.trim(),
@@ -136,7 +180,7 @@ class Page {
       tool: this.watch.tool,
     };
     await this.#attempt(() => this.review.add(geometry, attributes), `${tool.title}: saved`);
-    this.watch.start();
+    return this.watch.start();
   }
 
   undo() {
@@ -183,7 +227,7 @@ class Page {
   }
 
   #refresh() {
-    this.requestList.refresh(this.review.answers);
+    this.requestList.refresh(this.review);
     this.editsOnMap.show(this.review.edits);
     this.editList.show(this.review.edits, this.review.findings);
   }
@@ -221,6 +265,7 @@ class Page {
     for (const button of document.querySelectorAll("#walls button")) {
       button.addEventListener("click", () => this.#takeWalls(button.dataset.relation));
     }
+    click("mask-of-request", () => this.#maskOverRequest());
     click("tool-down", () => this.useTool(null));
     click("help-button", () => element("help").showModal());
     click("save", () => this.save());

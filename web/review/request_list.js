@@ -13,6 +13,8 @@ const kCauses = {
   contradiction: "another pass saw through these walls",
   loop_rejected: "a loop was not believed",
   control_residual: "does not fit a control point",
+  edit_review: "an edit could not follow the map",
+  stale: "newer scans contradict an edit",
 };
 
 export const kDecisions = {
@@ -22,6 +24,8 @@ export const kDecisions = {
   reject_stretch: "stretch rejected",
   relate: "walls related",
   skip: "skipped",
+  renewed: "settled",
+  retired: "retired",
 };
 
 export function causeText(request) {
@@ -38,6 +42,15 @@ export function answerFor(request, answers) {
   return null;
 }
 
+// What was decided about a request: the word of an answer; of an edit, whether somebody has said something about it since
+// the run that asks. null: nothing.
+export function decisionOn(request, { answers, edits }) {
+  if (request.kind !== "edit") return answerFor(request, answers)?.answer.decision ?? null;
+  const edit = edits.find(({ uid }) => uid === request.edit.uid);
+  if (!edit) return "retired";
+  return edit.rev > request.edit.rev ? "renewed" : null;
+}
+
 export class RequestList {
   constructor(list, summary, choose) {
     this.list = list;
@@ -46,11 +59,12 @@ export class RequestList {
     this.buttons = new Map();
   }
 
-  show(requests, answers) {
+  // `decided`: {answers, edits}.
+  show(requests, decided) {
     this.requests = requests;
     this.buttons.clear();
     this.list.replaceChildren(...requests.map((request) => this.#item(request)));
-    this.refresh(answers);
+    this.refresh(decided);
   }
 
   #item(request) {
@@ -73,14 +87,14 @@ export class RequestList {
     return item;
   }
 
-  refresh(answers) {
+  refresh(decided) {
     let open = 0;
     for (const request of this.requests) {
-      const entry = answerFor(request, answers);
+      const decision = decisionOn(request, decided);
       const button = this.buttons.get(request.id);
-      button.dataset.state = entry?.answer.decision ?? "open";
-      button.querySelector(".state").textContent = entry ? kDecisions[entry.answer.decision] ?? entry.answer.decision : "";
-      if (!entry) ++open;
+      button.dataset.state = decision ?? "open";
+      button.querySelector(".state").textContent = decision ? kDecisions[decision] ?? decision : "";
+      if (!decision) ++open;
     }
     this.summary.textContent = this.requests.length === 0 ? "no requests" : `${open} open of ${this.requests.length}`;
   }
@@ -91,9 +105,9 @@ export class RequestList {
   }
 
   // The next one without an answer behind `request`, from the top again at the end.
-  nextOpen(request, answers) {
+  nextOpen(request, decided) {
     const from = this.requests.findIndex(({ id }) => id === request?.id) + 1;
     const inOrder = [...this.requests.slice(from), ...this.requests.slice(0, from)];
-    return inOrder.find((candidate) => !answerFor(candidate, answers)) ?? null;
+    return inOrder.find((candidate) => !decisionOn(candidate, decided)) ?? null;
   }
 }

@@ -66,16 +66,24 @@ export function newUid() {
 
 const roundedCoordinates = (value) => (Array.isArray(value) ? value.map(roundedCoordinates) : round(value, 4));
 
+const rounded = ({ type, coordinates }) => ({ type, coordinates: roundedCoordinates(coordinates) });
+
 // `attributes`: kind, class, width_m, frame, sigma_m, why, who, tool. Empty ones are left out.
 export function additionOf(geometry, attributes) {
   const given = Object.entries(attributes).filter(([, value]) => value !== "" && value !== undefined);
   return {
     op: "add",
     uid: newUid(),
-    geometry: { type: geometry.type, coordinates: roundedCoordinates(geometry.coordinates) },
+    geometry: rounded(geometry),
     when: utc(new Date()),
     ...Object.fromEntries(given),
   };
+}
+
+// The next revision of an edit with another geometry. `about`: who, tool, and the basis of the map that it is drawn on.
+export function revisionOf({ shown, basis: drawnOn, ...members }, geometry, { basis, ...about }) {
+  const revision = { ...members, ...about, op: "modify", rev: members.rev + 1, geometry: rounded(geometry), when: utc(new Date()) };
+  return members.frame === "site" ? revision : { ...revision, basis };
 }
 
 export function retirementOf(edit, who, tool) {

@@ -2,7 +2,7 @@
 //
 // What a person decides, sent one after the other, and taken back in the reverse order. Nobody overwrites anybody: where
 // somebody else was faster, the page loads what he did; an edit is then added to it, an answer is left to the person.
-import { additionOf, retirementOf } from "shared/decisions.js";
+import { additionOf, retirementOf, revisionOf } from "shared/decisions.js";
 
 export class Review {
   // `changed` is called when answers or edits are other than before.
@@ -63,6 +63,18 @@ export class Review {
       await this.#append([retirementOf(edit, who, "review")]);
       const { rev, uid, basis, shown, geometry, when, ...members } = edit;
       this.history.push(() => this.#append([additionOf(shown ?? geometry, { ...members, who, why: `again: ${uid}` })]));
+    });
+  }
+
+  // Gives an edit another geometry, tied to the map as it is now. `edit`: of the run that asks about it.
+  revise({ uid, rev }, geometry, about) {
+    return this.#inTurn(async () => {
+      const edit = this.edits.find((candidate) => candidate.uid === uid);
+      if (edit?.rev !== rev) throw new Error("somebody has settled this already");
+      const revision = revisionOf(edit, geometry, about);
+      await this.#append([revision]);
+      const before = edit.shown ?? edit.geometry;
+      this.history.push(() => this.#append([revisionOf(revision, before, { ...about, tool: "review: undo" })]));
     });
   }
 

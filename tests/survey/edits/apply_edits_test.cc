@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "survey/edits/masked_beams.h"
+#include "survey/review/edit_request.h"
 
 namespace survey {
 namespace {
@@ -109,6 +111,32 @@ TEST(ApplyEdits, PoorRefitsAreToBeLookedAt) {
   EXPECT_NE(lost.at(0).message.find("the scans under 2 of 4 vertices are gone"), std::string::npos) << lost[0].message;
 }
 
+// An edit that two blocks have moved: asked about once, where it fits worse. A mask's beams hold, whatever moved.
+TEST(ApplyEdits, EditsInDoubtAreAskedAboutOnce) {
+  MapEdit edit = Square("a", EditKind::kAreaFree, "AB", kEarly);
+  edit.frame = EditFrame::kMap;
+  for (const char* block : {"A", "B"})
+    edit.anchors[block] = {EditAnchor{7, {1, 1}}, EditAnchor{8, {2, 1}}, EditAnchor{8, {2, 2}}, EditAnchor{7, {1, 2}}};
+  MapEdit mask = edit;
+  mask.uid = "mask";
+  mask.kind = EditKind::kMaskReturns;
+  mask.beams = {{"A", {{7, 0, 1}}}, {"B", {{7, 0, 1}}}};
+  std::vector<BlockEdits> doubtful;
+  for (const auto& [block, shift] : {std::pair("A", 0.8), std::pair("B", 2.0), std::pair("C", 0.0)}) {
+    const BlockPoses poses{.stamps = {7, 8}, .site_from_scan = {{0, 0, 0}, {0, shift, 0}}};
+    SiteRaster grid = Field();
+    doubtful.push_back(Doubtful(ApplyEdits(block, EditsOfBlock(block, {edit, mask}, poses), {}, &grid)));
+  }
+  EXPECT_TRUE(doubtful[2].edits.empty());
+  const std::vector<EditRequest> requests = MakeEditRequests(doubtful);
+  ASSERT_EQ(requests.size(), 1U);
+  EXPECT_EQ(requests[0].block, "B");
+  EXPECT_EQ(requests[0].applied.drawn, edit.parts);
+  EXPECT_EQ(requests[0].causes.at(0).cause, "edit_review");
+  EXPECT_GT(requests[0].score_m, 0.15);
+  EXPECT_NEAR(requests[0].score_m, requests[0].applied.residual_m, 1e-12);
+}
+
 TEST(MaskedBeams, AreThoseThatEndInTheArea) {
   Session session;
   session.geometries = {{.angle_min_rad = 0, .angle_increment_rad = 0.1, .range_max_m = 30, .num_beams = 5}};
@@ -116,6 +144,12 @@ TEST(MaskedBeams, AreThoseThatEndInTheArea) {
   const MapEdit area{.kind = EditKind::kMaskReturns, .parts = {{{11, 4}, {13, 4}, {13, 5.3}, {11, 5.3}}}};
   const auto beams = BeamsInside(area, session, {{10, 5, 0}, {10, 5, 0}});
   EXPECT_EQ(beams, (std::vector<MaskedBeams>{{3, 0, 1}}));
+  for (const auto& [from, until, kept] : {std::tuple(3, 3, true), std::tuple(4, 9, false), std::tuple(1, 2, false)}) {
+    MapEdit for_a_while = area;
+    for_a_while.from_ns = from;
+    for_a_while.until_ns = until;
+    EXPECT_EQ(BeamsInside(for_a_while, session, {{10, 5, 0}, {10, 5, 0}}).empty(), !kept) << from;
+  }
   EXPECT_EQ(DropBeams(beams, &session), 2U);
   EXPECT_TRUE(std::isnan(session.scans[0].ranges_m[1]));
   EXPECT_EQ(session.scans[0].ranges_m[2], 2.0F);

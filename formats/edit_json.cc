@@ -286,7 +286,7 @@ void AddBlocks(const MapEdit& edit, json* object) {
 
 MapEdit EditFromJson(const json& object, const std::string& where) {
   const EditReader reader(object, where);
-  const MapEdit edit = reader.Read();
+  MapEdit edit = reader.Read();
   reader.RequireSimple(edit);
   return edit;
 }

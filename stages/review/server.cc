@@ -92,7 +92,7 @@ struct Server::Impl {
   httplib::Server http;
   std::optional<Guard> guard;
 
-  Impl(fs::path folder, const fs::path& web_folder)
+  Impl(const fs::path& folder, const fs::path& web_folder)
       : site(folder), web(web_folder), tiles(folder), answers(folder), edits(folder) {}
 
   void Listen(int port);
@@ -125,7 +125,7 @@ void Server::Impl::Listen(int port) {
 void Server::Impl::SetRoutes() {
   http.set_exception_handler([](const Request&, Response& response, std::exception_ptr error) {
     try {
-      std::rethrow_exception(error);
+      std::rethrow_exception(std::move(error));
     } catch (const std::exception& failure) {
       Refuse(response, 500, failure.what());
     }

@@ -128,7 +128,13 @@ std::string OpenRequests(const fs::path& site) {
   const fs::path list = site / "work" / "requests.jsonl";
   std::string text;
   if (!fs::exists(list)) return text;
-  for (const formats::ListedBlock& block : formats::ReadReviewedBlocks(list)) {
+  std::vector<formats::ListedBlock> blocks;
+  try {
+    blocks = formats::ReadReviewedBlocks(list);
+  } catch (const formats::DataError& error) {  // of an older version perhaps: the next run writes it anew
+    return error.what() + std::string("\n");
+  }
+  for (const formats::ListedBlock& block : blocks) {
     if (block.review.num_open == 0) continue;
     text += block.name + ": " + std::to_string(block.review.num_open) + " of " +
             std::to_string(block.review.num_requests) + " review requests have no answer (work/requests.jsonl)\n";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The requests, most doubtful first, and what the person has said to each.
+import { titleOf } from "review/edits_on_map.js";
 
 const kCauses = {
   neff: "particles disagree",
@@ -29,7 +30,8 @@ export const kDecisions = {
 };
 
 export function causeText(request) {
-  return request.causes.map(({ cause }) => kCauses[cause] ?? cause).join(", ");
+  const causes = request.causes.map(({ cause }) => kCauses[cause] ?? cause).join(", ");
+  return request.kind === "edit" ? `${causes}: ${titleOf(request.edit.kind)}` : causes;
 }
 
 // The answers that lie in the stretch of a request, as {block: {stamp: {tag, answer}}} has them.

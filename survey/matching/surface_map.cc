@@ -2,7 +2,9 @@
 #include "survey/matching/surface_map.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <limits>
 #include <numeric>
 
@@ -17,6 +19,10 @@ constexpr float kMaxNeighbourStep = 12.0F;
 constexpr float kSharpBeamSpacing_m = 0.03F;  // single points of wider beams weigh less
 constexpr float kMaxRoughness_m = 0.03F;      // rms distance from the line
 constexpr float kMaxAspect = 0.25F;           // rms across by rms along
+
+// Of the nine cells around a middle one, row by row from the south-west: where they lie.
+constexpr std::array<int, 9> kRightOf = {-1, 0, 1, -1, 0, 1, -1, 0, 1};
+constexpr std::array<int, 9> kUpOf = {-1, -1, -1, 0, 0, 0, 1, 1, 1};
 
 // Line through neighbouring points: second moments about their mean.
 struct Moments {
@@ -151,14 +157,11 @@ SurfaceTile& SurfaceMap::OwnTile(int column, int row) {
   return *tile;
 }
 
-void SurfaceMap::MarkNear(int column, int row) {
-  for (int r = row - 1; r <= row + 1; ++r) {
-    for (int c = column - 1; c <= column + 1; ++c) {
-      const SurfaceTile* tile = TileAt(c, r);
-      const std::size_t cell = SurfaceTile::CellOf(c, r);
-      if (tile != nullptr && (tile->cells[cell] & SurfaceTile::kNear) != 0) continue;
-      OwnTile(c, r).cells[cell] |= SurfaceTile::kNear;
-    }
+void SurfaceMap::TellAround(int column, int row) {
+  for (int place = 0; place < 9; ++place) {
+    const int c = column - (place % 3 - 1);
+    const int r = row - (place / 3 - 1);
+    OwnTile(c, r).cells[SurfaceTile::CellOf(c, r)] |= std::uint32_t{1} << (SurfaceTile::kAround + place);
   }
 }
 
@@ -166,7 +169,7 @@ void SurfaceMap::Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) 
   const int column = static_cast<int>(std::floor(p.x() * cells_per_m_));
   const int row = static_cast<int>(std::floor(p.y() * cells_per_m_));
   SurfaceTile& tile = OwnTile(column, row);
-  std::uint16_t& cell = tile.cells[SurfaceTile::CellOf(column, row)];
+  std::uint32_t& cell = tile.cells[SurfaceTile::CellOf(column, row)];
   std::uint32_t last = 0;
   for (std::uint32_t i = cell & SurfaceTile::kIndex; i != 0; i = tile.surfels[i].next) {
     Surfel& surfel = tile.surfels[i];
@@ -187,15 +190,16 @@ void SurfaceMap::Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) 
     tile.surfels[last].next = added;
     return;
   }
-  cell = static_cast<std::uint16_t>(cell | added);
-  MarkNear(column, row);
+  cell |= added;
+  TellAround(column, row);
 }
 
 const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const {
   const int column = static_cast<int>(std::floor(p.x() * cells_per_m_));
   const int row = static_cast<int>(std::floor(p.y() * cells_per_m_));
   const SurfaceTile* centre = TileAt(column, row);
-  if (centre == nullptr || (centre->cells[SurfaceTile::CellOf(column, row)] & SurfaceTile::kNear) == 0) return nullptr;
+  if (centre == nullptr) return nullptr;
+  const std::size_t middle = SurfaceTile::CellOf(column, row);
   const Surfel* nearest = nullptr;
   float nearest_square = std::numeric_limits<float>::max();
   const auto visit = [&](const SurfaceTile& tile, std::size_t cell) {
@@ -211,10 +215,14 @@ const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2
   constexpr unsigned kInner = SurfaceTile::kCells - 2;
   const auto inner = [](int i) { return static_cast<unsigned>((i & (SurfaceTile::kCells - 1)) - 1) < kInner; };
   const bool one_tile = inner(column) && inner(row);
-  for (int r = row - 1; r <= row + 1; ++r) {
-    for (int c = column - 1; c <= column + 1; ++c) {
-      const SurfaceTile* tile = one_tile ? centre : TileAt(c, r);
-      if (tile != nullptr) visit(*tile, SurfaceTile::CellOf(c, r));
+  for (std::uint32_t around = centre->cells[middle] >> SurfaceTile::kAround; around != 0; around &= around - 1) {
+    const auto place = static_cast<std::size_t>(std::countr_zero(around));
+    const int right = kRightOf[place];
+    const int up = kUpOf[place];
+    if (one_tile) {
+      visit(*centre, middle + static_cast<std::size_t>(up * SurfaceTile::kCells + right));
+    } else {
+      visit(*TileAt(column + right, row + up), SurfaceTile::CellOf(column + right, row + up));
     }
   }
   return nearest;

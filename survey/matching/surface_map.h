@@ -41,17 +41,18 @@ struct Surfel {
   std::uint32_t next = 0;  // of its tile: another one in the same cell that faces another way; 0: none
 };
 
-// 32 x 32 cells. A cell holds the index of its first surfel, 0: none, and whether a surfel lies here or beside.
+// 32 x 32 cells. A cell holds the index of its first surfel, 0: none, and in which of the nine cells around its middle
+// surfels lie.
 struct SurfaceTile {
   static constexpr int kBits = 5;
   static constexpr int kCells = 1 << kBits;
-  static constexpr std::uint16_t kNear = 0x8000;
-  static constexpr std::uint16_t kIndex = 0x7fff;
+  static constexpr std::uint32_t kIndex = 0xffff;
+  static constexpr int kAround = 16;  // first of the nine bits, row by row from the south-west
   static std::size_t CellOf(int column, int row) {
     return static_cast<std::size_t>(((row & (kCells - 1)) << kBits) + (column & (kCells - 1)));
   }
 
-  std::array<std::uint16_t, std::size_t{kCells} * kCells> cells{};
+  std::array<std::uint32_t, std::size_t{kCells} * kCells> cells{};
   std::vector<Surfel> surfels = std::vector<Surfel>(1);  // the one at 0 is not used
 };
 
@@ -71,7 +72,7 @@ class SurfaceMap {
     const int column = static_cast<int>(std::floor(x * cells_per_m_));
     const int row = static_cast<int>(std::floor(y * cells_per_m_));
     const SurfaceTile* tile = TileAt(column, row);
-    return tile != nullptr && (tile->cells[SurfaceTile::CellOf(column, row)] & SurfaceTile::kNear) != 0;
+    return tile != nullptr && tile->cells[SurfaceTile::CellOf(column, row)] >> SurfaceTile::kAround != 0;
   }
 
   double cell_size_m() const { return cell_size_m_; }
@@ -92,7 +93,7 @@ class SurfaceMap {
   // The tile of a cell, made this map's own: copied if another map shares it.
   SurfaceTile& OwnTile(int column, int row);
   void Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal);
-  void MarkNear(int column, int row);
+  void TellAround(int column, int row);  // that a surfel lies here
 
   double cell_size_m_;
   float cells_per_m_;

@@ -16,16 +16,16 @@
 namespace survey {
 namespace {
 
-// Counts of one pass, cells of the common raster from (min_column, min_row) on.
+enum class Seen : std::uint8_t { kTooLittle, kThrough, kWallNear };
+
+// What one pass saw, cells of the common raster from (min_column, min_row) on.
 struct Pass {
   int min_column = 0;
   int min_row = 0;
   int width = 0;
   int height = 0;
-  std::vector<std::uint8_t> hits;
-  std::vector<std::uint8_t> rays;          // that went through
+  std::vector<Seen> seen;                  // by cell
   std::vector<std::pair<int, int>> walls;  // column, row of the cells hit often enough
-  std::vector<std::uint8_t> near;          // a hit within wall_near_m
   double begin_m = 0.0;                    // on the path
   double end_m = 0.0;
   std::vector<std::size_t> scans;
@@ -39,10 +39,19 @@ struct Pass {
   }
 };
 
-void Count(std::vector<std::uint8_t>* counts, std::ptrdiff_t cell) {
-  std::uint8_t& count = (*counts)[static_cast<std::size_t>(cell)];
-  if (count < 255) ++count;
-}
+// Counts by cell of a pass.
+struct Counts {
+  explicit Counts(std::size_t cells) : hits(cells, 0), rays(cells, 0) {}
+
+  static void Add(std::vector<std::uint8_t>* counts, std::ptrdiff_t cell) {
+    if (cell < 0) return;
+    std::uint8_t& count = (*counts)[static_cast<std::size_t>(cell)];
+    if (count < 255) ++count;
+  }
+
+  std::vector<std::uint8_t> hits;
+  std::vector<std::uint8_t> rays;  // that went through
+};
 
 std::vector<Pass> CutPath(const std::vector<Pose2>& poses, const ContradictionOptions& options) {
   std::vector<Pass> passes;
@@ -71,27 +80,27 @@ void Bound(const std::vector<Pose2>& poses, const ContradictionOptions& options,
   pass->min_row = cell(low.y() - options.max_range_m) - 1;
   pass->width = cell(high.x() + options.max_range_m) + 2 - pass->min_column;
   pass->height = cell(high.y() + options.max_range_m) + 2 - pass->min_row;
-  const std::size_t cells = static_cast<std::size_t>(pass->width) * static_cast<std::size_t>(pass->height);
-  pass->hits.assign(cells, 0);
-  pass->rays.assign(cells, 0);
-  pass->near.assign(cells, 0);
+  pass->seen.assign(static_cast<std::size_t>(pass->width) * static_cast<std::size_t>(pass->height), Seen::kTooLittle);
 }
 
 void MarkNear(int row, int column, int reach, Pass* pass) {
   for (int r = std::max(row - reach, 0); r <= std::min(row + reach, pass->height - 1); ++r) {
-    const auto begin = pass->near.begin() + static_cast<std::ptrdiff_t>(r) * pass->width;
-    std::fill(begin + std::max(column - reach, 0), begin + std::min(column + reach + 1, pass->width), 1);
+    const auto begin = pass->seen.begin() + static_cast<std::ptrdiff_t>(r) * pass->width;
+    std::fill(begin + std::max(column - reach, 0), begin + std::min(column + reach + 1, pass->width), Seen::kWallNear);
   }
 }
 
-void FindWalls(const ContradictionOptions& options, Pass* pass) {
+void FindWalls(const Counts& counts, const ContradictionOptions& options, Pass* pass) {
+  for (std::size_t cell = 0; cell < counts.rays.size(); ++cell) {
+    if (counts.rays[cell] >= options.min_rays) pass->seen[cell] = Seen::kThrough;
+  }
   const int reach = static_cast<int>(std::ceil(options.wall_near_m / options.cell_size_m));
   std::size_t cell = 0;
   for (int row = 0; row < pass->height; ++row) {
     for (int column = 0; column < pass->width; ++column, ++cell) {
-      if (pass->hits[cell] == 0) continue;
+      if (counts.hits[cell] == 0) continue;
       MarkNear(row, column, reach, pass);
-      if (pass->hits[cell] >= options.min_hits)
+      if (counts.hits[cell] >= options.min_hits)
         pass->walls.emplace_back(column + pass->min_column, row + pass->min_row);
     }
   }
@@ -100,6 +109,7 @@ void FindWalls(const ContradictionOptions& options, Pass* pass) {
 void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanProjector& projector,
           const ContradictionOptions& options, Pass* pass) {
   Bound(poses, options, pass);
+  Counts counts(pass->seen.size());
   // Near the origin of the pass single precision is exact enough, also for site coordinates.
   const Eigen::Vector2d origin(pass->min_column * options.cell_size_m, pass->min_row * options.cell_size_m);
   const auto cells_per_m = static_cast<float>(1.0 / options.cell_size_m);
@@ -117,27 +127,24 @@ void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanPro
       const Eigen::Vector2f end = hit * cells_per_m;
       const auto cell = [&](int column, int row) { return pass->At(column + pass->min_column, row + pass->min_row); };
       ForEachCellOnLine(begin, end, [&](int column, int row) {
-        if (const std::ptrdiff_t at = cell(column, row); at >= 0) Count(&pass->rays, at);
+        Counts::Add(&counts.rays, cell(column, row));
       });
-      const std::ptrdiff_t at = cell(static_cast<int>(std::floor(end.x())), static_cast<int>(std::floor(end.y())));
-      if (at >= 0) Count(&pass->hits, at);
+      Counts::Add(&counts.hits, cell(static_cast<int>(std::floor(end.x())), static_cast<int>(std::floor(end.y()))));
     }
   }
-  FindWalls(options, pass);
+  FindWalls(counts, options, pass);
 }
 
 // The wall cells of `pass` against what `other` saw there.
-Contradiction Compare(const Pass& pass, const Pass& other, const ContradictionOptions& options) {
+Contradiction Compare(const Pass& pass, const Pass& other) {
   Contradiction sum;
   for (const auto& [column, row] : pass.walls) {
     const std::ptrdiff_t at = other.At(column, row);
     if (at < 0) continue;
-    const auto there = static_cast<std::size_t>(at);
-    const bool wall = other.near[there] != 0;
-    const bool through = other.rays[there] >= options.min_rays;
-    if (!wall && !through) continue;
+    const Seen seen = other.seen[static_cast<std::size_t>(at)];
+    if (seen == Seen::kTooLittle) continue;
     ++sum.compared;
-    if (!wall) ++sum.contradicted;
+    if (seen == Seen::kThrough) ++sum.contradicted;
   }
   return sum;
 }
@@ -155,8 +162,8 @@ Comparison CompareWithEarlier(const std::vector<Pass>& passes, std::size_t later
   const Pass& pass = passes[later];
   for (std::size_t i = 0; i < later && pass.begin_m - passes[i].end_m > options.apart_m; ++i) {
     const Pass& other = passes[i];
-    Contradiction walls = Compare(pass, other, options);
-    walls += Compare(other, pass, options);
+    Contradiction walls = Compare(pass, other);
+    walls += Compare(other, pass);
     comparison.sum += walls;
     const bool conflict = walls.contradicted >= options.conflict_cells && walls.Share() >= options.conflict_share;
     if (!conflict || (comparison.worst && walls.contradicted <= comparison.worst->walls.contradicted)) continue;

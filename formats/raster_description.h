@@ -25,7 +25,6 @@ void Describe(GDALDataset* data, const survey::SiteRaster& frame, const RasterLa
               const Provenance& provenance, const char* content);
 
 inline constexpr const char* kSigmaName = "positional uncertainty, 1 sigma in the worst direction";
-inline constexpr const char* kDrawnByName = "scan that drew the cell";
 
 void DescribeBand(GDALRasterBand* band, const char* name, const char* unit);
 

@@ -8,8 +8,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "formats/atomic_file.h"
@@ -28,22 +30,10 @@ using survey::SiteRaster;
 constexpr const char* kLogOdds = "occupancy log-odds";
 constexpr int kStripRows = 256;  // one row of tiles
 
-// What a band behind the first one holds, by its description.
-struct SideBand {
-  const char* name;
-  const char* unit;
-  std::vector<float> SiteRaster::*cells;
-};
-constexpr std::array kSideBands = {SideBand{kSigmaName, "m", &SiteRaster::sigma_m},
-                                   SideBand{kDrawnByName, "", &SiteRaster::drawn_by}};
-
-// Null for a band that is not known.
+// Null for a band that is not known: it is not read.
 std::vector<float>* LayerOf(SiteRaster* raster, GDALRasterBand* band) {
   if (band->GetBand() == 1) return &raster->log_odds;
-  for (const SideBand& side : kSideBands) {
-    if (band->GetDescription() == std::string_view(side.name)) return &(raster->*side.cells);
-  }
-  return nullptr;
+  return band->GetDescription() == std::string_view(kSigmaName) ? &raster->sigma_m : nullptr;
 }
 
 bool HasBand(GDALDataset* data, const char* name) {
@@ -60,15 +50,11 @@ void AddRows(const std::vector<float>& cells, int width, RasterDigest* digest) {
     digest->AddRow(std::as_bytes(std::span(cells).subspan(row * row_size, row_size)));
 }
 
-// Writes rows from the north (file order) out of rows from the south.
-template <typename T>
-CPLErr WriteFlipped(GDALRasterBand* band, const std::vector<T>& cells, int width, int height, GDALDataType type) {
-  CPLErr status = CE_None;
-  for (int row = 0; row < height && status == CE_None; ++row) {
-    const T* begin = cells.data() + static_cast<std::size_t>(height - 1 - row) * static_cast<std::size_t>(width);
-    status = band->RasterIO(GF_Write, 0, row, width, 1, const_cast<T*>(begin), width, 1, type, 0, 0, nullptr);
-  }
-  return status;
+std::vector<float> FromTheNorth(const std::vector<float>& rows, int width) {
+  std::vector<float> turned;
+  turned.reserve(rows.size());
+  for (auto end = rows.end(); end != rows.begin(); end -= width) turned.insert(turned.end(), end - width, end);
+  return turned;
 }
 
 std::string MetadataOf(GDALDataset* data, const char* item) {
@@ -104,11 +90,15 @@ std::vector<float> ReadBand(GDALRasterBand* band, int first, int height) {
   return cells;
 }
 
-// The rows of `raster` out of the file's array, which begins at `file_min_row`.
-void ReadCells(GDALDataset* data, std::int64_t file_min_row, SiteRaster* raster) {
+// The rows of `raster` out of the file's array, which begins at `file_min_row`. `use` sees the cells of each band.
+void ReadCells(GDALDataset* data, std::int64_t file_min_row, SiteRaster* raster,
+               const std::function<void(const std::vector<float>&)>& use = {}) {
   const int first = static_cast<int>(raster->min_row - file_min_row);
-  for (int band = 1; band <= data->GetRasterCount(); ++band)
-    *LayerOf(raster, data->GetRasterBand(band)) = ReadBand(data->GetRasterBand(band), first, raster->height);
+  for (int band = 1; band <= data->GetRasterCount(); ++band) {
+    std::vector<float> cells = ReadBand(data->GetRasterBand(band), first, raster->height);
+    if (use) use(cells);
+    if (std::vector<float>* layer = LayerOf(raster, data->GetRasterBand(band))) *layer = std::move(cells);
+  }
 }
 
 GDALDatasetUniquePtr OpenLogOdds(const fs::path& file, const GdalSession& session) {
@@ -116,11 +106,7 @@ GDALDatasetUniquePtr OpenLogOdds(const fs::path& file, const GdalSession& sessio
   GDALDatasetUniquePtr data(
       GDALDataset::Open(file.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, drivers, nullptr, nullptr));
   if (!data) session.Throw(file, "cannot be read as GeoTIFF");
-  SiteRaster known;
-  bool all_known = true;
-  for (int band = 1; band <= data->GetRasterCount(); ++band)
-    all_known = all_known && LayerOf(&known, data->GetRasterBand(band)) != nullptr;
-  if (!all_known || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
+  if (data->GetRasterCount() == 0 || data->GetRasterBand(1)->GetRasterDataType() != GDT_Float32 ||
       MetadataOf(data.get(), kContentItem) != kLogOdds)
     throw DataError(file.string() + ": is not an occupancy raster of Plumbline (a band of log-odds, metadata item " +
                     kContentItem + ")");
@@ -150,44 +136,60 @@ void VerifyCells(const fs::path& file, GDALDataset* data, const GdalSession& ses
   digest.Verify(data, file);
 }
 
-}  // namespace
-
-void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLabel& label,
-                 const Provenance& provenance) {
-  RequireCells(file, raster);
-  AtomicFile output(file);
-  const GdalSession session;
-  std::vector<SideBand> sides;
-  for (const SideBand& side : kSideBands) {
-    if (!(raster.*side.cells).empty()) sides.push_back(side);
-  }
+GDALDatasetUniquePtr CreateLogOdds(const fs::path& file, const survey::RasterStrips& strips) {
   CPLStringList options;
   options.SetNameValue("TILED", "YES");
   options.SetNameValue("BLOCKXSIZE", "256");
-  options.SetNameValue("BLOCKYSIZE", "256");
+  options.SetNameValue("BLOCKYSIZE", std::to_string(kStripRows).c_str());
   options.SetNameValue("COMPRESS", "DEFLATE");
-  options.SetNameValue("PREDICTOR", "3");
+  options.SetNameValue("ZLEVEL", "1");
+  options.SetNameValue("SPARSE_OK", "TRUE");  // tiles where nothing was observed take no room
   options.SetNameValue("INTERLEAVE", "BAND");
   options.SetNameValue("BIGTIFF", "IF_SAFER");
-  GDALDatasetUniquePtr data(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
-      output.temporary().c_str(), raster.width, raster.height, static_cast<int>(sides.size()) + 1, GDT_Float32,
-      options.List()));
+  return GDALDatasetUniquePtr(GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      file.c_str(), strips.frame.width, strips.frame.height, strips.has_sigma ? 2 : 1, GDT_Float32, options.List()));
+}
+
+// One row of tiles after the other, so that the place of a tile in the file does not depend on GDAL's memory.
+void WriteBand(const survey::RasterStrips& strips, std::vector<float> SiteRaster::*layer, GDALRasterBand* band,
+               RasterDigest* digest) {
+  const SiteRaster& frame = strips.frame;
+  for (int first = 0; first < frame.height; first += kStripRows) {
+    const int height = std::min(kStripRows, frame.height - first);
+    const SiteRaster rows = strips.read(frame.min_row + frame.height - first - height, height);
+    std::vector<float> cells = FromTheNorth(rows.*layer, frame.width);
+    digest->AddRow(std::as_bytes(std::span(cells)));
+    if (band->RasterIO(GF_Write, 0, first, frame.width, height, cells.data(), frame.width, height, GDT_Float32, 0, 0,
+                       nullptr) != CE_None ||
+        band->FlushCache(false) != CE_None)
+      return;  // the session knows why
+  }
+}
+
+}  // namespace
+
+void WriteRaster(const fs::path& file, const survey::RasterStrips& strips, const RasterLabel& label,
+                 const Provenance& provenance) {
+  RequireCells(file, strips.frame);
+  AtomicFile output(file);
+  const GdalSession session;
+  GDALDatasetUniquePtr data = CreateLogOdds(output.temporary(), strips);
   if (!data) session.Throw(file, "could not be written");
-  Describe(data.get(), raster, label, provenance, kLogOdds);
+  Describe(data.get(), strips.frame, label, provenance, kLogOdds);
   data->GetRasterBand(1)->SetNoDataValue(survey::kUnknownLogOdds);
+  if (strips.has_sigma) DescribeBand(data->GetRasterBand(2), kSigmaName, "m");
   RasterDigest digest(data.get());
-  AddRows(raster.log_odds, raster.width, &digest);
-  for (const SideBand& side : sides) AddRows(raster.*side.cells, raster.width, &digest);
+  WriteBand(strips, &SiteRaster::log_odds, data->GetRasterBand(1), &digest);
+  if (strips.has_sigma) WriteBand(strips, &SiteRaster::sigma_m, data->GetRasterBand(2), &digest);
   digest.Store(data.get());
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    DescribeBand(data->GetRasterBand(static_cast<int>(i) + 2), sides[i].name, sides[i].unit);
-  WriteFlipped(data->GetRasterBand(1), raster.log_odds, raster.width, raster.height, GDT_Float32);
-  for (std::size_t i = 0; i < sides.size(); ++i)
-    WriteFlipped(data->GetRasterBand(static_cast<int>(i) + 2), raster.*sides[i].cells, raster.width, raster.height,
-                 GDT_Float32);
   data.reset();
   session.ThrowIfFailed(file, "could not be written (disk full?)");
   output.Commit();
+}
+
+void WriteRaster(const fs::path& file, const SiteRaster& raster, const RasterLabel& label,
+                 const Provenance& provenance) {
+  WriteRaster(file, survey::StripsOf(raster), label, provenance);
 }
 
 SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
@@ -195,9 +197,11 @@ SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
   const GDALDatasetUniquePtr data = OpenLogOdds(file, session);
   SiteRaster raster;
   ReadGeoreference(file, data.get(), &raster);
-  VerifyCells(file, data.get(), session);
-  ReadCells(data.get(), raster.min_row, &raster);
+  RasterDigest digest(data.get());
+  ReadCells(data.get(), raster.min_row, &raster,
+            [&](const std::vector<float>& cells) { AddRows(cells, raster.width, &digest); });
   session.ThrowIfFailed(file, "cannot be read to its end");
+  digest.Verify(data.get(), file);
   const RasterLabel own = LabelOf(file, data.get());
   if (label != nullptr) *label = own;
   return raster;

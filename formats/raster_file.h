@@ -22,6 +22,8 @@ struct RasterLabel {
   bool tied = false;
 };
 
+void WriteRaster(const std::filesystem::path& file, const survey::RasterStrips& strips, const RasterLabel& label,
+                 const Provenance& provenance);
 void WriteRaster(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label,
                  const Provenance& provenance);
 survey::SiteRaster ReadRaster(const std::filesystem::path& file, RasterLabel* label = nullptr);
@@ -29,7 +31,7 @@ survey::SiteRaster ReadRaster(const std::filesystem::path& file, RasterLabel* la
 // The same for rasters that need not fit into memory: the file is checked whole, its rows are read when asked for.
 survey::RasterStrips OpenRaster(const std::filesystem::path& file, RasterLabel* label);
 
-// The writers of deliverables take a raster strip by strip: memory does not grow with its height.
+// All writers take a raster strip by strip: memory does not grow with its height.
 
 // GeoTIFF for people: cloud-optimized, DEFLATE, 512-cell tiles, overviews, nodata 255.
 void WriteCogMap(const std::filesystem::path& file, const survey::RasterStrips& strips, const RasterLabel& label,

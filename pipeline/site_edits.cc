@@ -4,15 +4,18 @@
 #include <algorithm>
 #include <cstdio>
 #include <limits>
+#include <optional>
 
 #include "formats/artefacts.h"
 #include "formats/block_edits_file.h"
 #include "formats/errors.h"
+#include "formats/text_numbers.h"
 #include "pipeline/descent.h"
 #include "pipeline/site_layout.h"
 #include "survey/edits/apply_edits.h"
 #include "survey/edits/masked_beams.h"
 #include "survey/edits/site_edits.h"
+#include "survey/submaps/drawn_by.h"
 
 namespace pipeline {
 namespace {
@@ -49,6 +52,16 @@ struct BlockMap {
   std::string name;
   survey::SiteRaster grid;  // its frame alone until an edit lies there
   survey::BlockPoses poses;
+  double max_range_m = survey::WitnessOptions{}.max_range_m;
+  fs::path session_file;
+  std::optional<survey::Session> session;  // read when first needed
+
+  const survey::Session& Session() {
+    if (!session) session = formats::ReadSession(session_file);
+    if (session->scans.size() != poses.site_from_scan.size())
+      throw DataError(session_file.string() + ": does not have the scans of the map; plumbline run draws it anew");
+    return *session;
+  }
 };
 
 void ReadBlockMap(const fs::path& site, BlockMap* map) {
@@ -57,8 +70,17 @@ void ReadBlockMap(const fs::path& site, BlockMap* map) {
   RequireDescent(grid, solution);
   map->grid = formats::ReadRaster(grid);
   map->poses = ReadBlockPoses(solution);
-  if (map->grid.drawn_by.empty())
-    throw DataError(grid.string() + ": does not tell which scan drew a cell; plumbline run draws it anew");
+  map->session_file = InBlock(site, map->name, "session.sqlite");
+  const auto options = formats::ReadProvenance(grid).Own().options;
+  const auto max_range = options.find("max-range-m");
+  if (max_range != options.end()) map->max_range_m = formats::ParseNumber(max_range->second).value_or(0.0);
+}
+
+// The map under an edit with the scans that drew it.
+survey::SiteRaster WitnessedPart(const MapEdit& edit, BlockMap* map) {
+  survey::SiteRaster part = survey::PartAround(edit, map->grid);
+  survey::FillDrawnBy(map->Session(), map->poses.site_from_scan, {.max_range_m = map->max_range_m}, &part);
+  return part;
 }
 
 // The maps of a site: where they lie at once, what they show when an edit lies there.
@@ -77,8 +99,8 @@ class SiteMaps {
   const std::vector<BlockMap>& all() const { return maps_; }
 
   // Maps that the edit meets, or lies close beside.
-  std::vector<const BlockMap*> Near(const MapEdit& edit) {
-    std::vector<const BlockMap*> near;
+  std::vector<BlockMap*> Near(const MapEdit& edit) {
+    std::vector<BlockMap*> near;
     for (BlockMap& map : maps_) {
       if (survey::DistanceToRaster(edit, map.grid) > kBesideTheMap_m) continue;
       if (map.grid.log_odds.empty()) ReadBlockMap(site_, &map);
@@ -151,14 +173,13 @@ bool HasAny(const std::vector<std::optional<survey::EditAnchor>>& anchors) {
 // What the maps tell of the edit: the scans that drew them under its vertices, the beams that a mask drops.
 void TieToMaps(bool finds_beams, SiteMaps* maps, MapEdit* edit) {
   const bool hangs = edit->frame == survey::EditFrame::kMap || edit->kind == EditKind::kAdjust;
-  for (const BlockMap* map : maps->Near(*edit)) {
+  for (BlockMap* map : maps->Near(*edit)) {
     if (hangs) {
-      auto anchors = survey::AnchorsOf(*edit, map->grid, map->poses);
+      auto anchors = survey::AnchorsOf(*edit, WitnessedPart(*edit, map), map->poses);
       if (HasAny(anchors)) edit->anchors[map->name] = std::move(anchors);
     }
     if (!finds_beams) continue;
-    const survey::Session session = formats::ReadSession(InBlock(maps->site(), map->name, "session.sqlite"));
-    auto beams = survey::BeamsInside(*edit, session, map->poses.site_from_scan);
+    auto beams = survey::BeamsInside(*edit, map->Session(), map->poses.site_from_scan);
     if (!beams.empty()) edit->beams[map->name] = std::move(beams);
   }
 }

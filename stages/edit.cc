@@ -119,7 +119,6 @@ int main(int argc, char** argv) {
     if (!of_map.sha256.empty()) run.AddInput(of_map);
     const survey::BlockEdits edits = survey::ApplyEdits(block, std::move(concerned), limits, &raster);
     Tell(edits, allow_conflicts, ledger, run);
-    raster.drawn_by.clear();
     formats::WriteRaster(output, raster, label, run.Provenance());
     formats::WriteBlockEdits(report, edits, WithEdits(run.Provenance(), of_report));
     const survey::BlockEdits doubtful = survey::Doubtful(edits);

@@ -6,7 +6,6 @@
 #include "pipeline/stage.h"
 #include "survey/graph/map_uncertainty.h"
 #include "survey/submaps/block_raster.h"
-#include "survey/submaps/drawn_by.h"
 
 int main(int argc, char** argv) {
   pipeline::Stage stage(
@@ -27,16 +26,15 @@ int main(int argc, char** argv) {
     const formats::PosedSession block = formats::ReadPosedSession(session_file, solution_file);
     const std::vector<survey::Pose2>& poses = block.site_from_scan;
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(poses.size()));
-    survey::SiteRaster raster = survey::RenderBlock(
+    const survey::RasterStrips drawn = survey::RenderBlock(
         block.session, poses, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
-    if (raster.width == 0)
+    const survey::SiteRaster& frame = drawn.frame;
+    if (frame.width == 0)
       throw formats::DataError(session_file.string() + ": no scan has a range within " +
                                std::to_string(options.max_range_m) + " m: the map is empty");
-    survey::FillSigmas(block.solution, &raster);
-    survey::FillDrawnBy(block.session, poses, {.max_range_m = options.max_range_m}, &raster);
-    formats::WriteRaster(output, raster, {.frame = block.solution.frame, .tied = block.solution.tied},
-                         run.Provenance());
-    run.Message(std::to_string(raster.width) + " x " + std::to_string(raster.height) + " cells of " +
-                std::to_string(raster.cell_size_m) + " m");
+    formats::WriteRaster(output, survey::WithSigmas(drawn, block.solution),
+                         {.frame = block.solution.frame, .tied = block.solution.tied}, run.Provenance());
+    run.Message(std::to_string(frame.width) + " x " + std::to_string(frame.height) + " cells of " +
+                std::to_string(frame.cell_size_m) + " m");
   });
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "survey/geometry/rigid_fit.h"
+#include "survey/grid/coverage.h"
 
 namespace survey {
 namespace {
@@ -126,6 +127,20 @@ MapEdit Densified(const MapEdit& edit, double spacing_m) {
     if (!IsArea(edit.kind)) part.push_back(drawn.back());
   }
   return dense;
+}
+
+SiteRaster PartAround(const MapEdit& edit, const SiteRaster& map) {
+  const Ring vertices = VerticesOf(edit);
+  if (vertices.empty()) return {.cell_size_m = map.cell_size_m};
+  Vector2d low = vertices.front();
+  Vector2d high = low;
+  for (const Vector2d& p : vertices) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const auto cell = [&](double p) { return static_cast<std::int64_t>(std::floor(p / map.cell_size_m)); };
+  const auto reach = static_cast<std::int64_t>(std::ceil(kSearch_m / map.cell_size_m));
+  return PartOf(StripsOf(map), {cell(low.x()), cell(low.y()), cell(high.x()) + 1, cell(high.y()) + 1}, reach);
 }
 
 std::vector<std::optional<EditAnchor>> AnchorsOf(const MapEdit& edit, const SiteRaster& grid, const BlockPoses& poses) {

@@ -25,8 +25,12 @@ struct BlockPoses {
 // Vertices put in so that no segment of a line or ring is longer than spacing_m; arrows and squares stay as they are.
 MapEdit Densified(const MapEdit& edit, double spacing_m);
 
+// The part of a map that AnchorsOf looks at; which scans drew its cells is left open.
+SiteRaster PartAround(const MapEdit& edit, const SiteRaster& map);
+
 // For each vertex the scan that drew the nearest cell of `grid` within 0.5 m (squares: all four corners by the cell in
-// their middle), empty where there is none and for the heads of arrows. `grid` was drawn at `poses`.
+// their middle), empty where there is none and for the heads of arrows. `grid`, with
+// drawn_by, was drawn at `poses`.
 std::vector<std::optional<EditAnchor>> AnchorsOf(const MapEdit& edit, const SiteRaster& grid, const BlockPoses& poses);
 
 // The edit with its vertices where `poses` put their anchors; vertices without one move with the others of the edit,

@@ -8,15 +8,15 @@
 #include <optional>
 
 #include "survey/graph/solution.h"
-#include "survey/grid/site_raster.h"
+#include "survey/grid/raster_strips.h"
 
 namespace survey {
 
 // Covariance (m2) of what the map shows at a place in the site; empty where the solution has no covariances.
 std::optional<Eigen::Matrix2d> MapCovarianceAt(const Eigen::Vector2d& place, const Solution& solution);
 
-// Fills raster->sigma_m for all known cells: the larger semi-axis of the covariance, m. Where the solution has no
-// covariances nothing is filled.
-void FillSigmas(const Solution& solution, SiteRaster* raster);
+// The map with sigma_m for all known cells: the larger semi-axis of the covariance, m. Where the solution has no
+// covariances it stays without.
+RasterStrips WithSigmas(const RasterStrips& map, const Solution& solution);
 
 }  // namespace survey

@@ -90,6 +90,12 @@ class OccupancyPyramid {
     const Level& grid = levels_[static_cast<std::size_t>(level)];
     return grid.At(column - grid.min_column, row - grid.min_row);
   }
+  // A whole row of a level, which must exist.
+  std::span<const Evidence> Row(int level, int row) const {
+    const Level& grid = levels_[static_cast<std::size_t>(level)];
+    const auto width = static_cast<std::size_t>(grid.width);
+    return std::span(grid.cells).subspan(static_cast<std::size_t>(row - grid.min_row) * width, width);
+  }
   float OccupancyOf(Evidence evidence) const { return occupancy_of_[evidence]; }
   float LogOddsOf(Evidence evidence) const;  // NaN for unknown
 

@@ -30,6 +30,8 @@ inline SiteRaster RowsOf(const SiteRaster& frame, std::int64_t min_row, int heig
   return rows;
 }
 
+inline SiteRaster WholeOf(const RasterStrips& strips) { return strips.read(strips.frame.min_row, strips.frame.height); }
+
 // Strips of a raster that is in memory and outlives them.
 inline RasterStrips StripsOf(const SiteRaster& raster) {
   const auto read = [&raster](std::int64_t min_row, int height) {

@@ -28,7 +28,7 @@ struct SiteRaster {
   // Positional uncertainty of what a cell shows: 1 sigma in the worst direction, m, by the poses that drew it; NaN
   // where none did. Empty: not known.
   std::vector<float> sigma_m;
-  // Index of the scan of the block that drew the cell; NaN where not known. Empty: not known at all.
+  // Index of the scan of the block that drew the cell; NaN where not known. Empty: not asked (no file holds it).
   std::vector<float> drawn_by;
 
   std::size_t Index(int column, int row) const {

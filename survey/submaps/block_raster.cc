@@ -3,6 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
 
 #include "survey/sensors/scan_points.h"
 #include "survey/submaps/rendering.h"
@@ -10,35 +14,52 @@
 namespace survey {
 namespace {
 
-// The part of the pyramid that was observed, as a raster whose cells count from the site's origin.
-SiteRaster CutToObserved(const OccupancyPyramid& grid, std::int64_t offset_column, std::int64_t offset_row) {
+// Cells [low, high] of the grid's array that were observed.
+struct Observed {
+  Eigen::Array2i low;  // column, row
+  Eigen::Array2i high;
+};
+
+std::optional<Observed> ObservedPartOf(const OccupancyPyramid& grid) {
   const OccupancyPyramid::Extent extent = grid.ExtentOf(0);
-  int low_column = extent.width;
-  int high_column = -1;
-  int low_row = extent.height;
-  int high_row = -1;
+  const auto known = [](OccupancyPyramid::Evidence evidence) { return evidence != OccupancyPyramid::kUnknown; };
+  Observed part{{extent.width, extent.height}, {-1, -1}};
   for (int row = 0; row < extent.height; ++row) {
-    for (int column = 0; column < extent.width; ++column) {
-      if (grid.At(0, extent.min_column + column, extent.min_row + row) == OccupancyPyramid::kUnknown) continue;
-      low_column = std::min(low_column, column);
-      high_column = std::max(high_column, column);
-      low_row = std::min(low_row, row);
-      high_row = std::max(high_row, row);
-    }
+    const std::span<const OccupancyPyramid::Evidence> cells = grid.Row(0, extent.min_row + row);
+    const auto first = std::find_if(cells.begin(), cells.end(), known);
+    if (first == cells.end()) continue;
+    const auto behind = std::find_if(cells.rbegin(), cells.rend(), known).base();
+    part.low = part.low.min(Eigen::Array2i(static_cast<int>(first - cells.begin()), row));
+    part.high = part.high.max(Eigen::Array2i(static_cast<int>(behind - cells.begin()) - 1, row));
   }
-  SiteRaster raster{.cell_size_m = grid.cell_size_m()};
-  if (high_column < 0) return raster;
-  raster.min_column = offset_column + extent.min_column + low_column;
-  raster.min_row = offset_row + extent.min_row + low_row;
-  raster.width = high_column - low_column + 1;
-  raster.height = high_row - low_row + 1;
-  raster.log_odds.reserve(static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height));
-  for (int row = low_row; row <= high_row; ++row) {
-    for (int column = low_column; column <= high_column; ++column) {
-      raster.log_odds.push_back(grid.LogOddsOf(grid.At(0, extent.min_column + column, extent.min_row + row)));
+  if (part.high.y() < 0) return std::nullopt;
+  return part;
+}
+
+// What was observed, as a raster whose cells count from the site's origin.
+RasterStrips StripsOfDrawing(OccupancyPyramid&& drawn, std::int64_t offset_column, std::int64_t offset_row) {
+  const auto grid = std::make_shared<const OccupancyPyramid>(std::move(drawn));
+  RasterStrips strips{.frame = {.cell_size_m = grid->cell_size_m()}};
+  const std::optional<Observed> part = ObservedPartOf(*grid);
+  if (!part) return strips;
+  const OccupancyPyramid::Extent extent = grid->ExtentOf(0);
+  strips.frame.min_column = offset_column + extent.min_column + part->low.x();
+  strips.frame.min_row = offset_row + extent.min_row + part->low.y();
+  strips.frame.width = part->high.x() - part->low.x() + 1;
+  strips.frame.height = part->high.y() - part->low.y() + 1;
+  strips.read = [grid, frame = strips.frame, offset_row,
+                 first_column = static_cast<std::size_t>(part->low.x())](std::int64_t min_row, int height) {
+    SiteRaster rows = RowsOf(frame, min_row, height);
+    const auto width = static_cast<std::size_t>(frame.width);
+    rows.log_odds.reserve(width * static_cast<std::size_t>(height));
+    for (std::int64_t row = min_row; row < min_row + height; ++row) {
+      for (const OccupancyPyramid::Evidence evidence :
+           grid->Row(0, static_cast<int>(row - offset_row)).subspan(first_column, width))
+        rows.log_odds.push_back(grid->LogOddsOf(evidence));
     }
-  }
-  return raster;
+    return rows;
+  };
+  return strips;
 }
 
 }  // namespace
@@ -68,10 +89,10 @@ std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double cell_size_m
   return drawn;
 }
 
-SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan, const RenderOptions& options,
-                       const std::function<void(std::size_t)>& progress) {
+RasterStrips RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan,
+                         const RenderOptions& options, const std::function<void(std::size_t)>& progress) {
   OccupancyPyramid grid(options.grid);
-  if (site_from_scan.empty()) return CutToObserved(grid, 0, 0);
+  if (site_from_scan.empty()) return StripsOfDrawing(std::move(grid), 0, 0);
   // Northings of millions of metres do not fit into floats: draw in a frame moved by whole cells.
   const double cell = options.grid.cell_size_m;
   const auto offset_column = static_cast<std::int64_t>(std::floor(site_from_scan.front().x / cell));
@@ -95,7 +116,7 @@ SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_fr
     grid.Insert(pose.Translation().cast<float>(), hits, free_ends);
     if (progress) progress(i + 1);
   }
-  return CutToObserved(grid, offset_column, offset_row);
+  return StripsOfDrawing(std::move(grid), offset_column, offset_row);
 }
 
 }  // namespace survey

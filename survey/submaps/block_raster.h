@@ -10,7 +10,7 @@
 
 #include "survey/geometry/pose2.h"
 #include "survey/grid/occupancy_pyramid.h"
-#include "survey/grid/site_raster.h"
+#include "survey/grid/raster_strips.h"
 #include "survey/sensors/session.h"
 
 namespace survey {
@@ -26,8 +26,8 @@ struct RenderOptions {
 };
 
 // Poses: site_from_scan of every scan, in the session's order. Cells are those of the site raster with the grid's cell
-// size.
-SiteRaster RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan, const RenderOptions& options,
-                       const std::function<void(std::size_t)>& progress = {});
+// size. A map without cells has no strips to read.
+RasterStrips RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan,
+                         const RenderOptions& options, const std::function<void(std::size_t)>& progress = {});
 
 }  // namespace survey

@@ -49,6 +49,14 @@ std::vector<std::size_t> AskedScans(const std::vector<Pose2>& poses, const Witne
   return asked;
 }
 
+// Whether the segment's bounding box meets the raster; in cells from its corner.
+bool Meets(const SiteRaster& raster, const Eigen::Vector2f& a, const Eigen::Vector2f& b) {
+  const Eigen::Array2f low = a.cwiseMin(b);
+  const Eigen::Array2f high = a.cwiseMax(b);
+  return (high >= 0.0F).all() && low.x() < static_cast<float>(raster.width) &&
+         low.y() < static_cast<float>(raster.height);
+}
+
 class Votes {
  public:
   explicit Votes(const SiteRaster& raster) : raster_(raster), votes_(raster.log_odds.size()) {}
@@ -59,7 +67,7 @@ class Votes {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Eigen::Vector2f& end = points[i];
       At(witness, origin, static_cast<int>(std::floor(end.x())), static_cast<int>(std::floor(end.y())), true);
-      if (i % step != 0) continue;
+      if (i % step != 0 || !Meets(raster_, origin, end)) continue;
       ForEachCellOnLine(origin, end, [&](int column, int row) { At(witness, origin, column, row, false); });
     }
   }
@@ -93,14 +101,17 @@ void FillDrawnBy(const Session& session, const std::vector<Pose2>& site_from_sca
   ScanPoints points;
   std::vector<Eigen::Vector2f> ends;
   const auto pose_of = [&](std::size_t i) { return site_from_scan[i]; };
+  const Eigen::Vector2f reach = Eigen::Vector2f::Constant(static_cast<float>(options.max_range_m / cell));
   for (std::size_t k = 0; k < asked.size(); ++k) {
+    const Eigen::Vector2f origin = ((site_from_scan[asked[k]].Translation() - corner) / cell).cast<float>();
+    if (!Meets(*raster, origin - reach, origin + reach)) continue;
     projector.Project(session, asked[k], TwistOfScan(session.scans, pose_of, asked[k]), &points);
     Pose2 pose = site_from_scan[asked[k]];
     pose.x -= corner.x();
     pose.y -= corner.y();
     TransformPoints(pose, points.hits, &ends);
     for (Eigen::Vector2f& end : ends) end /= static_cast<float>(cell);
-    votes.Add(static_cast<std::uint16_t>(k), (pose.Translation() / cell).cast<float>(), ends);
+    votes.Add(static_cast<std::uint16_t>(k), origin, ends);
   }
   raster->drawn_by.assign(raster->log_odds.size(), std::numeric_limits<float>::quiet_NaN());
   for (std::size_t i = 0; i < raster->drawn_by.size(); ++i) {

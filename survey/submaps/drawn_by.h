@@ -20,7 +20,7 @@ struct WitnessOptions {
 
 // Fills raster->drawn_by. A scan speaks for an occupied cell by an end point in it, for a free one by a ray through it;
 // the stretch of the path with the majority [BoyerMoore91] has the cell, and in it the scan that saw it from nearest.
-// NaN where none of the asked scans speaks.
+// NaN where none of the asked scans speaks. For a part of a map only the rays that meet it cost.
 void FillDrawnBy(const Session& session, const std::vector<Pose2>& site_from_scan, const WitnessOptions& options,
                  SiteRaster* raster);
 

@@ -337,7 +337,7 @@ TEST(RasterFile, DamagedAndForeignFilesAreNamed) {
 
 TEST(RasterFile, AnEmptyRasterIsRefused) {
   const ScratchFolder scratch;
-  EXPECT_THROW(WriteRaster(scratch / "grid.tif", {}, kUtm, SomeProvenance()), DataError);
+  EXPECT_THROW(WriteRaster(scratch / "grid.tif", SiteRaster{}, kUtm, SomeProvenance()), DataError);
   EXPECT_THROW(WriteCogMap(scratch / "site.tif", SiteRaster{}, kUtm, SomeProvenance()), DataError);
   EXPECT_THROW(WritePngMap(scratch / "site.png", SiteRaster{}, kUtm), DataError);
 }

@@ -242,7 +242,7 @@ TEST_F(RingWalk, RenderedMapHasWallsWhereTheWallsAre) {
   const Pose2 site_from_world{500123.0, 5600456.0, 0.0};
   std::vector<Pose2> poses;
   for (const Pose2& pose : *truth) poses.push_back(site_from_world * pose);
-  const SiteRaster raster = RenderBlock(*session, poses, {});
+  const SiteRaster raster = WholeOf(RenderBlock(*session, poses, {}));
   const auto value = [&](double x, double y) {
     const auto cell = raster.CellOf(site_from_world * Eigen::Vector2d(x, y));
     return raster.Contains(cell.x(), cell.y()) ? raster.At(static_cast<int>(cell.x()), static_cast<int>(cell.y()))

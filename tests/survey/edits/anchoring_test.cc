@@ -42,7 +42,7 @@ DriftedBlock MakeDriftedBlock() {
     motion.x *= 1.01;
     block.drifted.push_back(block.drifted.back() * motion);
   }
-  block.map = RenderBlock(block.session, block.drifted, {});
+  block.map = WholeOf(RenderBlock(block.session, block.drifted, {}));
   FillDrawnBy(block.session, block.drifted, {}, &block.map);
   return block;
 }
@@ -100,6 +100,24 @@ TEST(Anchoring, VerticesStayOnTheirWallsWhenADriftOfMetresIsCorrected) {
   RecordProperty("anchored_50", std::to_string(Quantile(anchored, 0.5)));
   RecordProperty("not_anchored_50", std::to_string(Quantile(not_anchored, 0.5)));
   RecordProperty("not_anchored_95", std::to_string(Quantile(not_anchored, 0.95)));
+}
+
+TEST(Anchoring, ThePartUnderAnEditTellsTheSameScansAsTheWholeMap) {
+  const DriftedBlock block = MakeDriftedBlock();
+  const BlockPoses poses = block.At(block.drifted);
+  int same = 0;
+  int count = 0;
+  for (std::size_t i = 0; i < block.drifted.size(); i += 41) {
+    const Vector2d place = block.drifted[i] * Vector2d(0.8, 0.6);
+    const MapEdit edit{.kind = EditKind::kLineOccupied, .parts = {{place, place + Vector2d(0.5, 0.0)}}};
+    SiteRaster part = PartAround(edit, block.map);
+    EXPECT_LT(part.width * part.height, 1000);
+    FillDrawnBy(block.session, block.drifted, {}, &part);
+    same += AnchorsOf(edit, part, poses) == AnchorsOf(edit, block.map, poses) ? 1 : 0;
+    ++count;
+  }
+  EXPECT_GT(count, 4);
+  EXPECT_GE(same, count - 1) << "rays along the border of a cell round another way";
 }
 
 // 10 x 10 cells of 0.1 m, the left half drawn by scan 0, the right one by scan 1; the top row by none.

@@ -62,9 +62,18 @@ RasterStrips StripsOfDrawing(OccupancyPyramid&& drawn, std::int64_t offset_colum
   return strips;
 }
 
+// A cell, or two where the beams are so dense that two of them cross a cell at the usual distance.
+double WayBetweenDrawn(std::span<const ScanGeometry> geometries, double cell_size_m) {
+  constexpr double kUsualRange_m = 5.0;
+  const bool dense = std::all_of(geometries.begin(), geometries.end(), [&](const ScanGeometry& geometry) {
+    return 2.0 * kUsualRange_m * std::abs(geometry.angle_increment_rad) <= cell_size_m;
+  });
+  return dense ? 2.0 * cell_size_m : cell_size_m;
+}
+
 }  // namespace
 
-std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double cell_size_m) {
+std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double way_m) {
   constexpr double kAtRest_m = 0.01;
   constexpr double kAtRest_rad = 0.003;
   constexpr int kMostAtRest = 8;
@@ -83,7 +92,7 @@ std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double cell_size_m
       count = 0;
     }
     const bool at_rest = ++count > 1;
-    drawn[i] = at_rest ? count <= kMostAtRest : i == 0 || !near(last, i, cell_size_m, kTurned_rad);
+    drawn[i] = at_rest ? count <= kMostAtRest : i == 0 || !near(last, i, way_m, kTurned_rad);
     if (drawn[i]) last = i;
   }
   return drawn;
@@ -106,7 +115,7 @@ RasterStrips RenderBlock(const Session& session, const std::vector<Pose2>& site_
   const auto pose_of = [&](std::size_t i) {
     return Pose2{site_from_scan[i].x - offset.x(), site_from_scan[i].y - offset.y(), site_from_scan[i].theta};
   };
-  const std::vector<bool> drawn = DrawnScans(site_from_scan, cell);
+  const std::vector<bool> drawn = DrawnScans(site_from_scan, WayBetweenDrawn(session.geometries, cell));
   for (std::size_t i = 0; i < session.scans.size(); ++i) {
     if (!drawn[i]) continue;
     projector.Project(session, i, TwistOfScan(session.scans, pose_of, i), &points);

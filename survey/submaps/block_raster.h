@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The map of a block: occupancy rendered from the scans at their final poses on the site's cells. Scans that would only
-// tell the same again are not drawn: those less than a cell on from the last one, and of those taken standing still all
-// but the first ones, which would tell of those who walk by.
+// tell the same again are not drawn: those less than a cell on from the last one, two cells where beams are dense, and of
+// those taken standing still all but the first ones, which would tell of those who walk by.
 #pragma once
 
 #include <functional>
@@ -15,9 +15,9 @@
 
 namespace survey {
 
-// Which scans are drawn: those more than a cell or 0.01 rad on from the last one drawn, and of those within 1 cm and
+// Which scans are drawn: those more than `way_m` or 0.01 rad on from the last one drawn, and of those within 1 cm and
 // 0.003 rad (5 cm at 16 m) of where the lidar came to rest, the first 8.
-std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double cell_size_m);
+std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double way_m);
 
 struct RenderOptions {
   OccupancyOptions grid{.num_levels = 1};

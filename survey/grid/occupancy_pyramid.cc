@@ -163,12 +163,19 @@ void OccupancyPyramid::GrowToHold(const Eigen::Vector2f& low, const Eigen::Vecto
       high_column < base.min_column + base.width && high_row < base.min_row + base.height) {
     return;
   }
-  const int min_column = FloorTo(empty ? low_column : std::min(low_column, base.min_column), kGrowthCells);
-  const int min_row = FloorTo(empty ? low_row : std::min(low_row, base.min_row), kGrowthCells);
-  const int end_column = FloorTo(
-      (empty ? high_column : std::max(high_column, base.min_column + base.width - 1)) + kGrowthCells, kGrowthCells);
-  const int end_row =
-      FloorTo((empty ? high_row : std::max(high_row, base.min_row + base.height - 1)) + kGrowthCells, kGrowthCells);
+  // A side of a large array that must move moves by an eighth of its size, so that it is not copied every few metres.
+  const auto margin = [](int size) { return FloorTo(size / 8, 2 * kGrowthCells); };
+  const auto begin_of = [&](int low_cell, int begin, int size) {
+    return empty || low_cell < begin ? FloorTo(low_cell - margin(size), kGrowthCells) : begin;
+  };
+  const auto end_of = [&](int high_cell, int begin, int size) {
+    return empty || high_cell >= begin + size ? FloorTo(high_cell + margin(size) + kGrowthCells, kGrowthCells)
+                                              : begin + size;
+  };
+  const int min_column = begin_of(low_column, base.min_column, base.width);
+  const int min_row = begin_of(low_row, base.min_row, base.height);
+  const int end_column = end_of(high_column, base.min_column, base.width);
+  const int end_row = end_of(high_row, base.min_row, base.height);
 
   const auto moved = [](const std::vector<Evidence>& cells, const Level& from, const Level& to) {
     std::vector<Evidence> result(static_cast<std::size_t>(to.width) * static_cast<std::size_t>(to.height), kUnknown);

@@ -13,6 +13,8 @@ namespace {
 
 [[maybe_unused]] const bool kReadsProvenance = (SetGeoTiffProvenanceReader(&ProvenanceOfGeoTiff), true);
 
+constexpr GIntBig kCacheBytes = 128 << 20;  // of GDAL for decoded tiles; its own default grows with the machine
+
 void CPL_STDCALL Collect(CPLErr kind, CPLErrorNum, const char* message) {
   if (kind == CE_Failure || kind == CE_Fatal)
     static_cast<GdalSession*>(CPLGetErrorHandlerUserData())->AddFailure(message);
@@ -21,7 +23,7 @@ void CPL_STDCALL Collect(CPLErr kind, CPLErrorNum, const char* message) {
 }  // namespace
 
 GdalSession::GdalSession() {
-  [[maybe_unused]] static const bool registered = (GDALAllRegister(), true);
+  [[maybe_unused]] static const bool registered = (GDALAllRegister(), GDALSetCacheMax64(kCacheBytes), true);
   CPLPushErrorHandlerEx(&Collect, this);
   CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", "NO");
   CPLSetThreadLocalConfigOption("GDAL_DISABLE_READDIR_ON_OPEN", "EMPTY_DIR");

@@ -13,7 +13,6 @@ namespace formats {
 namespace {
 
 constexpr int kTile = 512;
-constexpr GIntBig kCacheBytes = 128 << 20;  // of GDAL for decoded tiles; its own default grows with the machine
 
 CPLErr Transfer(GDALRasterBand* band, GDALRWFlag direction, int first_row, int num_rows, std::uint8_t* rows) {
   return band->RasterIO(direction, 0, first_row, band->GetXSize(), num_rows, rows, band->GetXSize(), num_rows, GDT_Byte,
@@ -41,7 +40,6 @@ void ForEachStrip(const survey::RasterStrips& strips, Layer layer, CellCode code
 ScratchRaster::ScratchRaster(const std::filesystem::path& target, const survey::SiteRaster& frame, int num_bands,
                              const GdalSession& session)
     : target_(target), session_(session), file_(std::filesystem::path(target).replace_extension(".cells.tif")) {
-  GDALSetCacheMax64(kCacheBytes);
   CPLStringList options;
   options.SetNameValue("TILED", "YES");
   options.SetNameValue("BLOCKXSIZE", std::to_string(kTile).c_str());

@@ -2,6 +2,7 @@
 //
 // plumbline-edit: a block's map out of its grid and the map edits that people drew.
 #include <algorithm>
+#include <utility>
 
 #include "formats/block_edits_file.h"
 #include "formats/digest.h"
@@ -107,19 +108,20 @@ int main(int argc, char** argv) {
   stage.Option("refit-area-change", &limits.area_change, "... or whose area changed by more (share)", {.min = 0.0});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
     formats::RasterLabel label;
-    survey::SiteRaster raster = formats::ReadRaster(grid_file, &label);
+    const survey::RasterStrips grid = formats::OpenRaster(grid_file, &label);
     pipeline::RequireDescent(grid_file, solution_file);
     std::vector<AppliedEdit> concerned;
     if (!ledger.empty() && block.empty()) throw formats::UsageError("--ledger needs --block, the block's name in it");
-    if (!ledger.empty()) concerned = ReadEdits(ledger, block, solution_file, raster, label.tied);
+    if (!ledger.empty()) concerned = ReadEdits(ledger, block, solution_file, grid.frame, label.tied);
     if (!concerned.empty() && !label.tied)
       run.Warn("the block is not tied to control: the edits are taken in its local frame");
     const formats::ProvenanceInput of_map = InputOf(kMapEdits, block, concerned, SetsCells);
     const formats::ProvenanceInput of_report = InputOf("ledger, all kinds", block, concerned, IsAny);
     if (!of_map.sha256.empty()) run.AddInput(of_map);
-    const survey::BlockEdits edits = survey::ApplyEdits(block, std::move(concerned), limits, &raster);
+    survey::SiteRaster part = survey::PartUnder(concerned, grid);
+    const survey::BlockEdits edits = survey::ApplyEdits(block, std::move(concerned), limits, &part);
     Tell(edits, allow_conflicts, ledger, run);
-    formats::WriteRaster(output, raster, label, run.Provenance());
+    formats::WriteRaster(output, survey::WithPart(grid, std::move(part)), label, run.Provenance());
     formats::WriteBlockEdits(report, edits, WithEdits(run.Provenance(), of_report));
     const survey::BlockEdits doubtful = survey::Doubtful(edits);
     formats::WriteBlockEdits(

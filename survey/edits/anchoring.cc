@@ -130,17 +130,8 @@ MapEdit Densified(const MapEdit& edit, double spacing_m) {
 }
 
 SiteRaster PartAround(const MapEdit& edit, const SiteRaster& map) {
-  const Ring vertices = VerticesOf(edit);
-  if (vertices.empty()) return {.cell_size_m = map.cell_size_m};
-  Vector2d low = vertices.front();
-  Vector2d high = low;
-  for (const Vector2d& p : vertices) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const auto cell = [&](double p) { return static_cast<std::int64_t>(std::floor(p / map.cell_size_m)); };
   const auto reach = static_cast<std::int64_t>(std::ceil(kSearch_m / map.cell_size_m));
-  return PartOf(StripsOf(map), {cell(low.x()), cell(low.y()), cell(high.x()) + 1, cell(high.y()) + 1}, reach);
+  return PartOf(StripsOf(map), BoxOf(edit, map.cell_size_m), reach);
 }
 
 std::vector<std::optional<EditAnchor>> AnchorsOf(const MapEdit& edit, const SiteRaster& grid, const BlockPoses& poses) {

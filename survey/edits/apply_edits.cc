@@ -157,6 +157,14 @@ std::vector<AppliedEdit> EditsOfBlock(const std::string& block, const std::vecto
   return concerned;
 }
 
+SiteRaster PartUnder(const std::vector<AppliedEdit>& edits, const RasterStrips& grid) {
+  const double cell_size_m = grid.frame.cell_size_m;
+  if (edits.empty()) return {.cell_size_m = cell_size_m};
+  CellBox box = BoxOf(edits.front().edit, cell_size_m);
+  for (const AppliedEdit& applied : edits) box = Hull(box, BoxOf(applied.edit, cell_size_m));
+  return PartOf(grid, box, 0);
+}
+
 BlockEdits ApplyEdits(const std::string& block, std::vector<AppliedEdit> edits, const RefitLimits& limits,
                       SiteRaster* grid) {
   BlockEdits result{.block = block, .edits = std::move(edits)};

@@ -11,7 +11,7 @@
 #include "survey/edits/anchoring.h"
 #include "survey/edits/block_edits.h"
 #include "survey/edits/map_edit.h"
-#include "survey/grid/site_raster.h"
+#include "survey/grid/raster_strips.h"
 
 namespace survey {
 
@@ -27,7 +27,10 @@ struct RefitLimits {
 std::vector<AppliedEdit> EditsOfBlock(const std::string& block, const std::vector<MapEdit>& edits,
                                       const BlockPoses& poses);
 
-// Applies them to the block's grid and fills what they changed.
+// The part of the block's grid that the edits may reach: a map of any size is edited in its memory.
+SiteRaster PartUnder(const std::vector<AppliedEdit>& edits, const RasterStrips& grid);
+
+// Applies them to the block's grid, or that part of it, and fills what they changed.
 BlockEdits ApplyEdits(const std::string& block, std::vector<AppliedEdit> edits, const RefitLimits& limits,
                       SiteRaster* grid);
 

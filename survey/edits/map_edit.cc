@@ -49,9 +49,13 @@ float LogOddsOf(CellState state) {
 
 bool IsSame(float a, float b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
+double HalfWidth(const MapEdit& edit, double cell_size_m) {
+  return edit.width_m.value_or(std::numbers::sqrt2 * cell_size_m) / 2;
+}
+
 // The cells of a line or of rings that belong together.
 void VisitShape(const MapEdit& edit, const SiteRaster& raster, const CellVisitor& visit) {
-  const double half_width = edit.width_m.value_or(std::numbers::sqrt2 * raster.cell_size_m) / 2;
+  const double half_width = HalfWidth(edit, raster.cell_size_m);
   const Bounds bounds = BoundsOf(edit);
   const Vector2d margin = Vector2d::Constant(IsArea(edit.kind) ? 0.0 : half_width);
   const auto first = raster.CellOf(bounds.low - margin);
@@ -158,6 +162,15 @@ std::optional<Vector2d> FindSelfCrossing(const MapEdit& edit) {
     }
   }
   return std::nullopt;
+}
+
+CellBox BoxOf(const MapEdit& edit, double cell_size_m) {
+  const Bounds bounds = BoundsOf(edit);
+  const Vector2d margin = Vector2d::Constant(HalfWidth(edit, cell_size_m));
+  const Vector2d low = (bounds.low - margin) / cell_size_m;
+  const Vector2d high = (bounds.high + margin) / cell_size_m;
+  const auto cell = [](double place) { return static_cast<std::int64_t>(std::floor(place)); };
+  return {cell(low.x()), cell(low.y()), cell(high.x()) + 1, cell(high.y()) + 1};
 }
 
 double DistanceToRaster(const MapEdit& edit, const SiteRaster& raster) { return Distance(BoundsOf(edit), raster); }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "survey/edits/edit_kind.h"
+#include "survey/grid/coverage.h"
 #include "survey/grid/site_raster.h"
 #include "survey/sensors/session.h"
 
@@ -82,6 +83,9 @@ std::int64_t ApplyEdit(const MapEdit& edit, SiteRaster* raster);
 // First pair of edges of an area that cross each other or a vertex that lies on another edge's inside; empty when the
 // rings are simple and apart.
 std::optional<Eigen::Vector2d> FindSelfCrossing(const MapEdit& edit);
+
+// The site cells that an edit may reach.
+CellBox BoxOf(const MapEdit& edit, double cell_size_m);
 
 // Distance from the raster's rectangle to the edit's bounding box, 0 when they meet (m).
 double DistanceToRaster(const MapEdit& edit, const SiteRaster& raster);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace survey {
 namespace {
@@ -58,6 +59,40 @@ CommonCoverage Coverage::With(const Coverage& other) const {
     }
   }
   return common;
+}
+
+SiteRaster PartOf(const RasterStrips& map, const CellBox& box, std::int64_t margin) {
+  const SiteRaster& frame = map.frame;
+  const std::int64_t first_row = std::max(frame.min_row, box.min_row - margin);
+  const std::int64_t end_row = std::min(frame.min_row + frame.height, box.end_row + margin);
+  const std::int64_t first_column = std::max(frame.min_column, box.min_column - margin);
+  const std::int64_t end_column = std::min(frame.min_column + frame.width, box.end_column + margin);
+  if (first_row >= end_row || first_column >= end_column) return {.cell_size_m = frame.cell_size_m};
+  const SiteRaster rows = map.read(first_row, static_cast<int>(end_row - first_row));
+  SiteRaster part = RowsOf(frame, first_row, rows.height);
+  part.min_column = first_column;
+  part.width = static_cast<int>(end_column - first_column);
+  for (int row = 0; row < rows.height; ++row) {
+    const auto from =
+        rows.log_odds.begin() + static_cast<std::ptrdiff_t>(rows.Index(0, row)) + (first_column - frame.min_column);
+    part.log_odds.insert(part.log_odds.end(), from, from + part.width);
+  }
+  return part;
+}
+
+RasterStrips WithPart(const RasterStrips& map, SiteRaster part) {
+  RasterStrips result = map;
+  result.read = [read = map.read, part = std::move(part)](std::int64_t min_row, int height) {
+    SiteRaster rows = read(min_row, height);
+    const auto left = static_cast<int>(part.min_column - rows.min_column);
+    const std::int64_t end = std::min(min_row + height, part.min_row + part.height);
+    for (std::int64_t row = std::max(min_row, part.min_row); row < end; ++row) {
+      const float* from = &part.log_odds[part.Index(0, static_cast<int>(row - part.min_row))];
+      std::copy_n(from, part.width, &rows.log_odds[rows.Index(left, static_cast<int>(row - min_row))]);
+    }
+    return rows;
+  };
+  return result;
 }
 
 }  // namespace survey

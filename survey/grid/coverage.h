@@ -34,6 +34,12 @@ struct CellBox {
   std::int64_t end_row = 0;
 };
 
+// The smallest box that holds both.
+inline CellBox Hull(const CellBox& a, const CellBox& b) {
+  return {std::min(a.min_column, b.min_column), std::min(a.min_row, b.min_row), std::max(a.end_column, b.end_column),
+          std::max(a.end_row, b.end_row)};
+}
+
 // What two maps may have seen both.
 struct CommonCoverage {
   std::int64_t max_cells = 0;  // at most so many cells
@@ -56,5 +62,11 @@ class Coverage {
   std::int64_t height_ = 0;
   std::vector<std::uint16_t> known_;  // cells by tile
 };
+
+// The part of a map that lies within `margin` cells of the box.
+SiteRaster PartOf(const RasterStrips& map, const CellBox& box, std::int64_t margin);
+
+// The map with the occupancy of a part of it taken from there.
+RasterStrips WithPart(const RasterStrips& map, SiteRaster part);
 
 }  // namespace survey

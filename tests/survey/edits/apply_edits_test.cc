@@ -51,6 +51,28 @@ TEST(ApplyEdits, OccupiedComesAfterFreeAndUnknownAndTheLaterLast) {
   EXPECT_TRUE(result.findings.empty()) << "one person may change his mind";
 }
 
+TEST(ApplyEdits, ThePartUnderTheEditsIsEnough) {
+  MapEdit line = Square("line", EditKind::kLineOccupied, "AB", kLate);
+  line.parts = {{{2.5, 0.5}, {3.5, 2.5}}};
+  MapEdit beyond = Square("beyond", EditKind::kAreaFree, "AB", kLate);
+  beyond.parts = {{{3, 2}, {9, 2}, {9, 9}, {3, 9}}};
+  const auto edits = EditsOfBlock("A", {Square("wall", EditKind::kAreaOccupied, "AB", kEarly), line, beyond}, {});
+  const SiteRaster field = Field();
+  SiteRaster whole = field;
+  const BlockEdits expected = ApplyEdits("A", edits, {}, &whole);
+  SiteRaster part = PartUnder(edits, StripsOf(field));
+  EXPECT_LT(part.log_odds.size(), whole.log_odds.size());
+  const BlockEdits result = ApplyEdits("A", edits, {}, &part);
+  EXPECT_EQ(result.edited_cells, expected.edited_cells);
+  EXPECT_GT(result.edited_cells, 100);
+  const RasterStrips edited = WithPart(StripsOf(field), part);
+  EXPECT_EQ(WholeOf(edited).log_odds, whole.log_odds);
+  EXPECT_EQ(edited.read(7, 13).log_odds,
+            std::vector<float>(whole.log_odds.begin() + 7 * 40, whole.log_odds.begin() + 20 * 40));
+  const RasterStrips unedited = WithPart(StripsOf(field), PartUnder({}, StripsOf(field)));
+  EXPECT_EQ(WholeOf(unedited).log_odds, field.log_odds);
+}
+
 TEST(ApplyEdits, TwoPeopleWhoContradictAreNamedUnlessOneSupersedes) {
   SiteRaster grid = Field();
   MapEdit wall = Square("wall", EditKind::kAreaOccupied, "AB", kEarly);

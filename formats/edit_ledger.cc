@@ -34,7 +34,7 @@ bool IsTime(const std::string& text) {
   return std::regex_match(text, kTime);
 }
 
-// What each line must fulfil given the lines before it; keeps the edits that are active.
+// What each line must fulfil given the lines before it; keeps the edits that are active and those that were.
 class LedgerRules {
  public:
   // `where` begins every complaint.
@@ -60,6 +60,7 @@ class LedgerRules {
     if (line.operation == LedgerOperation::kModify) {
       *active = edit;
     } else {
+      retired_.push_back({*active, edit});
       active_.erase(active);
     }
   }
@@ -70,6 +71,7 @@ class LedgerRules {
   }
 
   const std::vector<MapEdit>& active() const { return active_; }
+  const std::vector<RetiredEdit>& retired() const { return retired_; }
 
  private:
   std::vector<MapEdit>::iterator Find(const std::string& uid) {
@@ -78,7 +80,14 @@ class LedgerRules {
 
   std::vector<std::string> uids_;  // of all that were ever added
   std::vector<MapEdit> active_;
+  std::vector<RetiredEdit> retired_;
 };
+
+LedgerRules RulesAfter(const std::vector<LedgerLine>& lines) {
+  LedgerRules rules;
+  for (const LedgerLine& line : lines) rules.Take(line, "ledger");
+  return rules;
+}
 
 LedgerOperation ReadOperation(const json& object, const std::string& where) {
   const json value = object.value("op", json());
@@ -169,11 +178,9 @@ CheckedLedger ReadChecked(const fs::path& file) {
 
 std::string EmptyLedgerHead() { return std::string(64, '0'); }
 
-std::vector<MapEdit> Ledger::Active() const {
-  LedgerRules rules;
-  for (const LedgerLine& line : lines) rules.Take(line, "ledger");
-  return rules.active();
-}
+std::vector<MapEdit> Ledger::Active() const { return RulesAfter(lines).active(); }
+
+std::vector<RetiredEdit> Ledger::Retired() const { return RulesAfter(lines).retired(); }
 
 Ledger ReadLedger(const fs::path& file) { return ReadChecked(file).ledger; }
 

@@ -12,6 +12,7 @@
 #include "formats/digest.h"
 #include "formats/edit_form.h"
 #include "formats/edit_json.h"
+#include "formats/edit_layers.h"
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
 #include "formats/json_text.h"
@@ -64,7 +65,9 @@ VectorLayer LayerOf(const char* name, bool area, const std::vector<MapEdit>& edi
   VectorLayer layer{.name = name,
                     .shape = area ? VectorShape::kPolygon : VectorShape::kLine,
                     .colour = "#b0148a",
-                    .label_field = "kind"};
+                    .label_field = "kind",
+                    .category = "kind",
+                    .categories = EditCategories(area)};
   layer.fields = {{"uid", true}, {"kind", true}, {"class", true}, {"width_m"},       {"frame", true},
                   {"sigma_m"},   {"who", true},  {"why", true},   {"from_ns", true}, {"until_ns", true}};
   layer.form = EditFormQml(area);

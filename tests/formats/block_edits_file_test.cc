@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "formats/edit_json.h"
 #include "formats/errors.h"
 #include "tests/support/scratch_folder.h"

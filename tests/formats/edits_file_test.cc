@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "formats/atomic_file.h"
 #include "formats/edit_json.h"
 #include "formats/errors.h"

@@ -162,7 +162,7 @@ async function drawTwenty() {
   const expected = [];
   for (let i = 0; i < 20; ++i) {
     const [key, kind, shape] = kDrawn[i % kDrawn.length];
-    const place = [box.x + 80 + 230 * (i % 5), box.y + 60 + 130 * Math.floor(i / 5)];
+    const place = [box.x + 80 + 230 * (i % 4), box.y + 60 + 130 * Math.floor(i / 4)]; // on the map
     const corners = kShapes[shape].map(([x, y]) => [Math.round(place[0] + x), Math.round(place[1] + y)]);
     expected.push({ kind, points: await draw(key, corners, kind) });
     await page.waitForFunction((n) => document.querySelectorAll("#edits li").length === n, i + 1);

@@ -319,8 +319,8 @@ TEST_F(EditsTest, WhatCannotBeIsRefusedAndNothingIsWritten) {
   };
   refused(
       Draw({{"kind", "area_free"}}, Rectangle(300, 0, 1, 1)),
-      "drawn.geojson: feature 1: area_free: vertex 1 at E 500400.000 N 5600200.000 lies 282 m outside the map: the map "
-      "of block B reaches from E 500");
+      "drawn.geojson: feature 1: area_free: vertex 1 at E 500400.000 N 5600200.000 lies 283 m outside the map: the map "
+      "of block A reaches from E 500100.10");
   json slipped = Rectangle(3, 3, 1, 1);
   slipped[0][2] = {500104.0, 5600302.0};
   refused(Draw({{"kind", "forbidden"}}, slipped),

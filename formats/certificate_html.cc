@@ -88,8 +88,9 @@ class StatisticsTable {
     Verdict("meets the class", [](const ClassVerdict& v) { return v.meets ? "yes" : "no"; });
     Verdict("demonstrated at 95 %", [](const ClassVerdict& v) { return v.demonstrated ? "yes" : "no"; });
     Verdict("mean &lt; 25 % of class per axis [1]", [](const ClassVerdict& v) { return v.bias_within ? "yes" : "no"; });
-    Verdict("power to find such a bias", [](const ClassVerdict& v) {
-      return v.bias_power ? Fixed(100.0 * *v.bias_power, 0) + " %" : std::string(kDash);
+    Verdict("power to find such a bias east / north", [](const ClassVerdict& v) {
+      if (!v.bias_power) return std::string(kDash);
+      return Fixed(100.0 * v.bias_power->x(), 0) + " / " + Fixed(100.0 * v.bias_power->y(), 0) + " %";
     });
     Verdict("errors &gt; 3 &times; class per axis [1]",
             [](const ClassVerdict& v) { return std::to_string(v.blunders.size()); });

@@ -50,13 +50,6 @@ void AddRows(const std::vector<float>& cells, int width, RasterDigest* digest) {
     digest->AddRow(std::as_bytes(std::span(cells).subspan(row * row_size, row_size)));
 }
 
-std::vector<float> FromTheNorth(const std::vector<float>& rows, int width) {
-  std::vector<float> turned;
-  turned.reserve(rows.size());
-  for (auto end = rows.end(); end != rows.begin(); end -= width) turned.insert(turned.end(), end - width, end);
-  return turned;
-}
-
 std::string MetadataOf(GDALDataset* data, const char* item) {
   const char* value = data->GetMetadataItem(item);
   return value == nullptr ? "" : value;
@@ -150,20 +143,32 @@ GDALDatasetUniquePtr CreateLogOdds(const fs::path& file, const survey::RasterStr
       file.c_str(), strips.frame.width, strips.frame.height, strips.has_sigma ? 2 : 1, GDT_Float32, options.List()));
 }
 
-// One row of tiles after the other, so that the place of a tile in the file does not depend on GDAL's memory.
-void WriteBand(const survey::RasterStrips& strips, std::vector<float> SiteRaster::*layer, GDALRasterBand* band,
-               RasterDigest* digest) {
+using Layer = std::vector<float> SiteRaster::*;
+
+// Calls use(first row, cells) for one row of tiles after the other; rows from the north, as in the file.
+void ForEachTileRow(const survey::RasterStrips& strips, Layer layer,
+                    const std::function<void(int, std::vector<float>&)>& use) {
   const SiteRaster& frame = strips.frame;
+  std::vector<float> cells;
   for (int first = 0; first < frame.height; first += kStripRows) {
     const int height = std::min(kStripRows, frame.height - first);
     const SiteRaster rows = strips.read(frame.min_row + frame.height - first - height, height);
-    std::vector<float> cells = FromTheNorth(rows.*layer, frame.width);
-    digest->AddRow(std::as_bytes(std::span(cells)));
-    if (band->RasterIO(GF_Write, 0, first, frame.width, height, cells.data(), frame.width, height, GDT_Float32, 0, 0,
-                       nullptr) != CE_None ||
-        band->FlushCache(false) != CE_None)
-      return;  // the session knows why
+    cells.clear();
+    for (auto end = (rows.*layer).end(); end != (rows.*layer).begin(); end -= frame.width)
+      cells.insert(cells.end(), end - frame.width, end);
+    use(first, cells);
   }
+}
+
+// Each row of tiles at once, so that the place of a tile in the file does not depend on GDAL's memory.
+void WriteBand(const survey::RasterStrips& strips, Layer layer, GDALRasterBand* band) {
+  const int width = strips.frame.width;
+  ForEachTileRow(strips, layer, [&](int first, std::vector<float>& cells) {
+    const int height = static_cast<int>(cells.size()) / width;
+    if (band->RasterIO(GF_Write, 0, first, width, height, cells.data(), width, height, GDT_Float32, 0, 0, nullptr) ==
+        CE_None)
+      band->FlushCache(false);
+  });
 }
 
 }  // namespace
@@ -178,10 +183,16 @@ void WriteRaster(const fs::path& file, const survey::RasterStrips& strips, const
   Describe(data.get(), strips.frame, label, provenance, kLogOdds);
   data->GetRasterBand(1)->SetNoDataValue(survey::kUnknownLogOdds);
   if (strips.has_sigma) DescribeBand(data->GetRasterBand(2), kSigmaName, "m");
+  std::vector<Layer> layers = {&SiteRaster::log_odds};
+  if (strips.has_sigma) layers.push_back(&SiteRaster::sigma_m);
+  // The checksum comes first: a file that is cut off keeps its description, and shows that it is broken.
   RasterDigest digest(data.get());
-  WriteBand(strips, &SiteRaster::log_odds, data->GetRasterBand(1), &digest);
-  if (strips.has_sigma) WriteBand(strips, &SiteRaster::sigma_m, data->GetRasterBand(2), &digest);
+  for (const Layer layer : layers)
+    ForEachTileRow(strips, layer,
+                   [&](int, const std::vector<float>& cells) { digest.AddRow(std::as_bytes(std::span(cells))); });
   digest.Store(data.get());
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    WriteBand(strips, layers[i], data->GetRasterBand(static_cast<int>(i) + 1));
   data.reset();
   session.ThrowIfFailed(file, "could not be written (disk full?)");
   output.Commit();

@@ -126,9 +126,7 @@ void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanPro
     for (const Eigen::Vector2f& hit : hits) {
       const Eigen::Vector2f end = hit * cells_per_m;
       const auto cell = [&](int column, int row) { return pass->At(column + pass->min_column, row + pass->min_row); };
-      ForEachCellOnLine(begin, end, [&](int column, int row) {
-        Counts::Add(&counts.rays, cell(column, row));
-      });
+      ForEachCellOnLine(begin, end, [&](int column, int row) { Counts::Add(&counts.rays, cell(column, row)); });
       Counts::Add(&counts.hits, cell(static_cast<int>(std::floor(end.x())), static_cast<int>(std::floor(end.y()))));
     }
   }

@@ -41,6 +41,7 @@ double FisherQuantile(double probability, double numerator_dof, double denominat
 }
 
 double NonCentralFisherUpperTail(double value, double numerator_dof, double denominator_dof, double non_centrality) {
+  if (non_centrality == 0.0) return FisherUpperTail(value, numerator_dof, denominator_dof);  // Boost 1.74 has 1 there
   return cdf(complement(NonCentralFisher(numerator_dof, denominator_dof, non_centrality), value));
 }
 

@@ -56,14 +56,18 @@ std::optional<BiasTest> HotellingTest(const Eigen::Vector2d& mean, const Eigen::
   return BiasTest{t_squared, FisherUpperTail(t_squared * (n - 2) / (2.0 * (n - 1)), 2.0, n - 2.0)};
 }
 
-// Of a bias along east or north, whichever is harder to find. The inverse of a sample covariance is on average
-// (n-1)/(n-4) times the true one.
-std::optional<double> PowerOfBiasTest(const ErrorStatistics& statistics, double bias_m) {
+// Of a bias along east and of one along north. The inverse of a sample covariance is on average (n-1)/(n-4) times the
+// true one.
+std::optional<Eigen::Vector2d> PowerOfBiasTest(const ErrorStatistics& statistics, double bias_m) {
   const int n = statistics.num_points;
   if (!statistics.bias || n < 5) return std::nullopt;
-  const Eigen::Matrix2d inverse = statistics.covariance->inverse() * (n - 4.0) / (n - 1.0);
-  const double non_centrality = n * bias_m * bias_m * inverse.diagonal().minCoeff();
-  return NonCentralFisherUpperTail(FisherQuantile(0.95, 2.0, n - 2.0), 2.0, n - 2.0, non_centrality);
+  const Eigen::Matrix2d inverse = statistics.covariance->inverse();
+  const Eigen::Vector2d weights = inverse.diagonal() * (n - 4.0) / (n - 1.0);
+  const double critical = FisherQuantile(0.95, 2.0, n - 2.0);
+  const auto power = [&](double weight) {
+    return NonCentralFisherUpperTail(critical, 2.0, n - 2.0, n * bias_m * bias_m * weight);
+  };
+  return Eigen::Vector2d(power(weights.x()), power(weights.y()));
 }
 
 void AddSpread(std::span<const PositionError> errors, ErrorStatistics* statistics) {

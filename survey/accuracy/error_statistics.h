@@ -71,8 +71,8 @@ struct ClassVerdict {
   bool meets = false;         // RMSE_H <= class
   bool demonstrated = false;  // the one-sided 95 % bound of RMSE_H <= class
   bool bias_within = false;   // |mean| per axis <= 25 % of class / sqrt(2)
-  std::optional<double>
-      bias_power;             // probability that the bias test (5 %) finds a bias of that size; five points or more
+  // Probability that the bias test (5 %) finds a bias of that size, along east and along north; five points or more.
+  std::optional<Eigen::Vector2d> bias_power;
   std::vector<int> blunders;  // indices of errors beyond 3 class / sqrt(2) in one axis; flagged, never dropped
   int num_beyond_95 = 0;      // points with an error longer than 1.7308 class
   double largest_rate_beyond_95 = 1.0;  // Clopper-Pearson, one-sided 95 %

@@ -149,8 +149,8 @@ std::optional<FacePlace> PlaceFace(std::span<const HitCell> cells, const FaceStr
     face.from = line.middle + centre - half_length;
     face.to = line.middle + centre + half_length;
   }
-  return FacePlace{face.normal, face.offset, line.middle, std::sqrt(line.variance_offset),
-                   std::sqrt(line.variance_slope), scatter};
+  return FacePlace{
+      face.normal, face.offset, line.middle, std::sqrt(line.variance_offset), std::sqrt(line.variance_slope), scatter};
 }
 
 }  // namespace survey

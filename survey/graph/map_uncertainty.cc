@@ -75,7 +75,8 @@ class SigmaTiles {
     const int end_column = std::min(rows.width, first_column + cells_);
     bool known = false;
     for (int row = 0; row < rows.height && !known; ++row) {
-      for (int column = first_column; column < end_column && !known; ++column) known = !std::isnan(rows.At(column, row));
+      for (int column = first_column; column < end_column && !known; ++column)
+        known = !std::isnan(rows.At(column, row));
     }
     const Eigen::Vector2d centre =
         (rows.CentreOf(first_column, 0) + rows.CentreOf(end_column - 1, rows.height - 1)) / 2.0;

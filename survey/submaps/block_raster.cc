@@ -47,8 +47,8 @@ RasterStrips StripsOfDrawing(OccupancyPyramid&& drawn, std::int64_t offset_colum
   strips.frame.min_row = offset_row + extent.min_row + part->low.y();
   strips.frame.width = part->high.x() - part->low.x() + 1;
   strips.frame.height = part->high.y() - part->low.y() + 1;
-  strips.read = [grid, frame = strips.frame, offset_row,
-                 first_column = static_cast<std::size_t>(part->low.x())](std::int64_t min_row, int height) {
+  strips.read = [grid, frame = strips.frame, offset_row, first_column = static_cast<std::size_t>(part->low.x())](
+                    std::int64_t min_row, int height) {
     SiteRaster rows = RowsOf(frame, min_row, height);
     const auto width = static_cast<std::size_t>(frame.width);
     rows.log_odds.reserve(width * static_cast<std::size_t>(height));
@@ -98,8 +98,8 @@ std::vector<bool> DrawnScans(const std::vector<Pose2>& poses, double way_m) {
   return drawn;
 }
 
-RasterStrips RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan,
-                         const RenderOptions& options, const std::function<void(std::size_t)>& progress) {
+RasterStrips RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan, const RenderOptions& options,
+                         const std::function<void(std::size_t)>& progress) {
   OccupancyPyramid grid(options.grid);
   if (site_from_scan.empty()) return StripsOfDrawing(std::move(grid), 0, 0);
   // Northings of millions of metres do not fit into floats: draw in a frame moved by whole cells.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The map of a block: occupancy rendered from the scans at their final poses on the site's cells. Scans that would only
-// tell the same again are not drawn: those less than a cell on from the last one, two cells where beams are dense, and of
-// those taken standing still all but the first ones, which would tell of those who walk by.
+// tell the same again are not drawn: those less than a cell on from the last one, two cells where beams are dense, and
+// of those taken standing still all but the first ones, which would tell of those who walk by.
 #pragma once
 
 #include <functional>
@@ -27,7 +27,7 @@ struct RenderOptions {
 
 // Poses: site_from_scan of every scan, in the session's order. Cells are those of the site raster with the grid's cell
 // size. A map without cells has no strips to read.
-RasterStrips RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan,
-                         const RenderOptions& options, const std::function<void(std::size_t)>& progress = {});
+RasterStrips RenderBlock(const Session& session, const std::vector<Pose2>& site_from_scan, const RenderOptions& options,
+                         const std::function<void(std::size_t)>& progress = {});
 
 }  // namespace survey

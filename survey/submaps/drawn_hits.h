@@ -13,8 +13,7 @@
 
 namespace survey {
 
-// Poses: site_from_scan of every scan, in the session's order. Of a scan for each cell
-// of the way (see DrawnScans).
+// Poses: site_from_scan of every scan, in the session's order. Of one scan for each cell of the way (see DrawnScans).
 HitCells DrawnHits(const Session& session, const std::vector<Pose2>& site_from_scan, double max_range_m,
                    const SiteRaster& map, std::span<const Eigen::Vector2d> places_in_site, double radius_m);
 

@@ -40,9 +40,10 @@ Provenance MadeBy(const std::string& stage, const std::vector<fs::path>& inputs,
   return provenance;
 }
 
+// Its cells, which do not compress well, make most of the file.
 survey::SiteRaster SmallRaster() {
-  survey::SiteRaster raster{.cell_size_m = 0.5, .width = 40, .height = 30};
-  raster.log_odds.assign(1200, 0.25F);
+  survey::SiteRaster raster{.cell_size_m = 0.5, .width = 80, .height = 60};
+  for (int i = 0; i < 80 * 60; ++i) raster.log_odds.push_back(0.01F * static_cast<float>(i * i % 977));
   return raster;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "formats/control_limits.h"
 #include "formats/errors.h"
 #include "formats/text_numbers.h"
 #include "formats/xml_stream.h"
@@ -80,6 +81,7 @@ class GamaAdjustmentReader {
       if (point_.name.empty()) throw DataError(where + "a point has no id");
       point_.fixed = In("fixed");
       result_.points.push_back(point_);
+      RequireAtMost(kMostControlPoints, result_.points.size(), "points", where);
     }
     if (In("cov-mat")) {
       if (name == "dim") size_ = CountOf(text, where);

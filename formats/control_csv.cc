@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "formats/control_limits.h"
 #include "formats/crs_area.h"
 #include "formats/errors.h"
 #include "formats/line_reader.h"
@@ -20,7 +21,6 @@ using survey::ControlPoint;
 using survey::PointRole;
 
 constexpr double kLargestSigmaM = 10.0;
-constexpr std::size_t kMostRows = 200'000;  // five times what ten thousand blocks have
 constexpr const char* kColumns[] = {"point",       "northing", "easting", "elevation", "sigma_n", "sigma_e",
                                     "description", "role",     "reason",  "cov_en",    "sigma_h"};
 
@@ -75,9 +75,7 @@ class Reader {
       Row row{.line = lines.line_number()};
       SplitInto(content, &row);
       rows_.push_back(std::move(row));
-      if (rows_.size() > kMostRows)
-        throw DataError(At(rows_.back()) + "more than " + std::to_string(kMostRows) +
-                        " rows: no control list is so long (a point cloud?)");
+      RequireAtMost(kMostControlPoints, rows_.size(), "rows", At(rows_.back()));
     }
     if (other_encoding) result_.warnings.push_back(file_.string() + ": is not UTF-8; read as Latin-1");
   }

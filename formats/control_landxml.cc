@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "formats/control_limits.h"
 #include "formats/errors.h"
 #include "formats/text_numbers.h"
 #include "formats/xml_stream.h"
@@ -78,6 +79,7 @@ class LandXmlReader {
     const auto [known, is_new] = coordinates_.emplace(point_.name, numbers);
     if (is_new) {
       result_.points.push_back(point_);
+      RequireAtMost(kMostControlPoints, result_.points.size(), "points", where);
     } else if (known->second != numbers) {
       throw DataError(where + "point " + point_.name + " is there twice with different coordinates");
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "formats/control_limits.h"
 #include "formats/errors.h"
 #include "formats/text_numbers.h"
 
@@ -21,6 +22,7 @@ void NetworkClusters::AddPoint(const survey::NetworkPoint& point, const std::str
                     point_where_[static_cast<std::size_t>(known->second)] + ")");
   }
   points_.push_back(point);
+  RequireAtMost(kMostControlPoints, points_.size(), "points", where);
   std::string first = where;
   while (!first.empty() && (first.back() == ' ' || first.back() == ':')) first.pop_back();
   point_where_.push_back(first);
@@ -40,6 +42,7 @@ void NetworkClusters::Add(NamedObservation observation, const std::string& where
   }
   clusters_.back().observations.push_back(std::move(observation));
   clusters_.back().where.push_back(where);
+  RequireAtMost(kMostObservations, ++num_observations_, "observations", where);
 }
 
 void NetworkClusters::SetCovariance(const std::vector<double>& numbers, int size, int band, const std::string& where) {

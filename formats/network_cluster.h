@@ -3,6 +3,7 @@
 // Observations of a file, by the names of their points, gathered cluster by cluster until all points are known.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
@@ -48,6 +49,7 @@ class NetworkClusters {
   std::vector<std::string> point_where_;
   std::map<std::string, int> index_;
   std::vector<Cluster> clusters_;
+  std::size_t num_observations_ = 0;
 };
 
 }  // namespace formats

@@ -177,7 +177,7 @@ TEST_F(ControlCsvTest, AFileOfTooManyRowsIsRefusedWhereItBecomesTooLong) {
   std::string text;
   for (int i = 0; i < 200'001; ++i) text += std::to_string(i) + ",1,2\n";
   EXPECT_EQ(Refusal(text + "not, read\n", {.order = "pnezd"}),
-            "points.csv:200001: more than 200000 rows: no control list is so long (a point cloud?)");
+            "points.csv:200001: more than 200000 rows: no control is so long (a point cloud?)");
 }
 
 TEST_F(ControlCsvTest, AcceptsOtherEncodings) {

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "formats/angle_text.h"
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/network_cluster.h"
 #include "formats/network_file.h"
 #include "survey/network/adjustment.h"
 #include "survey/network/approximations.h"
@@ -256,6 +258,29 @@ TEST_F(NetworkFilesTest, StarnetNamesLineValueAndRule) {
   ExpectStarnetRefused(kHead + "C A 1 2 ! *\n", "north and east must both be fixed");
   ExpectStarnetRefused(kHead + "C A 1 2\nC A 1 2\n", "station A has coordinates already");
   ExpectStarnetRefused(kHead + "L A-B 1\n", "need .3D");
+}
+
+// Before they are held: gigabytes of something else that was taken for a network.
+TEST(NetworkClustersTest, TooLongANetworkIsRefusedWhereItBecomesTooLong) {
+  const auto refusal = [](const std::function<void(formats::NetworkClusters*, int)>& add) -> std::string {
+    formats::NetworkClusters clusters;
+    for (int i = 0; i < 1'000'002; ++i) {
+      try {
+        add(&clusters, i);
+      } catch (const formats::DataError& error) {
+        return error.what();
+      }
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal([](formats::NetworkClusters* clusters, int i) {
+              clusters->AddPoint({.name = std::to_string(i)}, "a.gkf:" + std::to_string(i + 1) + ": ");
+            }),
+            "a.gkf:200001: more than 200000 points: no control is so long (a point cloud?)");
+  EXPECT_EQ(refusal([](formats::NetworkClusters* clusters, int i) {
+              clusters->Add({.from = "A", .to = "B"}, "a.gkf:" + std::to_string(i + 1) + ": ");
+            }),
+            "a.gkf:1000001: more than 1000000 observations: no control is so long (a point cloud?)");
 }
 
 TEST(AngleTextTest, DegreesMinutesSeconds) {

@@ -8,6 +8,7 @@
 
 #include "formats/atomic_file.h"
 #include "tests/support/job_site.h"
+#include "tests/support/paths.h"
 
 namespace {
 
@@ -38,6 +39,17 @@ TEST(FrontCommandTest, HelpAndUnknownCommands) {
   ExpectRefused({"track"}, 2, "plumbline-track: ");
   ExpectRefused({"run", "nowhere"}, 2, "nowhere: no such folder");
   ExpectRefused({"status", "/tmp"}, 2, "it is not a site");
+}
+
+// GDAL takes longer to load than many a stage runs: those that read and write no raster do without it.
+TEST(FrontCommandTest, ProgramsLoadWhatTheyUse) {
+  const auto loads_gdal = [](const std::string& program) {
+    return formats::ReadWholeFile(test_support::BinFolder() / program).find("libgdal.so") != std::string::npos;
+  };
+  for (const char* program :
+       {"plumbline", "plumbline-ingest", "plumbline-track", "plumbline-loops", "plumbline-adjust"})
+    EXPECT_FALSE(loads_gdal(program)) << program;
+  EXPECT_TRUE(loads_gdal("plumbline-grid"));
 }
 
 TEST(FrontCommandTest, NewRefusesBadRequestsAndLeavesNothing) {

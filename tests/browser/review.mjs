@@ -182,6 +182,11 @@ function ledger() {
   return text.trim().split("\n").map((line) => JSON.parse(line));
 }
 
+// The page shows an edit at once and stores it then.
+async function stored(numLines) {
+  while (ledger().length < numLines) await page.waitForTimeout(100);
+}
+
 function checkEdits(expected) {
   const lines = ledger();
   assert.equal(lines.length, expected.length);
@@ -195,6 +200,7 @@ function checkEdits(expected) {
     }
   }
 }
+await stored(20);
 checkEdits(expectedEdits);
 
 // Undo is a line more, never one less.

@@ -280,6 +280,7 @@ class Page {
       box.addEventListener("change", () => this.siteMap.setVisible(box.value, box.checked));
     }
     document.addEventListener("visibilitychange", () => document.hidden || this.#lookAgain());
+    window.addEventListener("beforeunload", (event) => this.review.isSaving && event.preventDefault());
     listenToKeys(this.scan, {
       accept: () => this.accept(),
       saveCorrection: () => this.#answerWithPose("correct", false),

@@ -12,6 +12,7 @@ export class Review {
     this.#take(answers, edits);
     this.history = []; // functions that take a decision back
     this.queue = Promise.resolve();
+    this.numWaiting = 0;
   }
 
   // Loads what others did.
@@ -87,8 +88,14 @@ export class Review {
     });
   }
 
+  // What is shown already but not yet stored.
+  get isSaving() {
+    return this.numWaiting > 0;
+  }
+
   #inTurn(step) {
-    const result = this.queue.then(step);
+    ++this.numWaiting;
+    const result = this.queue.then(step).finally(() => --this.numWaiting);
     this.queue = result.catch(() => {});
     return result;
   }

@@ -146,11 +146,17 @@ std::vector<Axis> AxesOf(const std::vector<PointLine>& lines) {
   return axes;
 }
 
+// Whether each pair of faces lies beside the middle of the other: not so where a face and what stands near are a pair.
+bool ShareTheirMiddle(const Axis& a, const Axis& b) {
+  return a.line.DistanceTo(b.line.middle) <= kCorner_m && b.line.DistanceTo(a.line.middle) <= kCorner_m;
+}
+
 std::vector<PointCrossing> PillarsOfFaces(const std::vector<PointLine>& lines) {
   const std::vector<Axis> axes = AxesOf(lines);
   std::vector<PointCrossing> centres;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     for (std::size_t j = i + 1; j < axes.size(); ++j) {
+      if (!ShareTheirMiddle(axes[i], axes[j])) continue;
       if (const auto centre = CrossingOf(axes[i].line, axes[j].line)) centres.push_back(*centre);
     }
   }

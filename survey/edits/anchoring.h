@@ -29,8 +29,7 @@ MapEdit Densified(const MapEdit& edit, double spacing_m);
 SiteRaster PartAround(const MapEdit& edit, const SiteRaster& map);
 
 // For each vertex the scan that drew the nearest cell of `grid` within 0.5 m (squares: all four corners by the cell in
-// their middle), empty where there is none and for the heads of arrows. `grid`, with
-// drawn_by, was drawn at `poses`.
+// their middle), empty where there is none and for the heads of arrows. `grid`, with drawn_by, was drawn at `poses`.
 std::vector<std::optional<EditAnchor>> AnchorsOf(const MapEdit& edit, const SiteRaster& grid, const BlockPoses& poses);
 
 // The edit with its vertices where `poses` put their anchors; vertices without one move with the others of the edit,

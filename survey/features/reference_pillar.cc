@@ -126,7 +126,8 @@ std::optional<Axis> AxisOf(const PointLine& a, const PointLine& b) {
 // the axis, or those are longer than a square's.
 std::optional<PointLine> CentreLineBy(const PointLine& face, const Axis& axis) {
   const double inward = face.normal.dot(axis.line.middle - face.middle);
-  const bool closes = axis.line.DistanceTo(face.middle) + face.half_length <= 0.5 * axis.size + kCorner_m &&
+  const bool closes = axis.line.DistanceTo(face.middle) <= kCorner_m &&
+                      face.half_length <= 0.5 * axis.size + kCorner_m &&
                       std::abs(std::abs(inward) - axis.line.half_length) <= kCorner_m &&
                       2.0 * axis.line.half_length <= axis.size + kCorner_m;
   if (!closes) return std::nullopt;

@@ -20,7 +20,8 @@ constexpr float kSharpBeamSpacing_m = 0.03F;  // single points of wider beams we
 constexpr float kMaxRoughness_m = 0.03F;      // rms distance from the line
 constexpr float kMaxAspect = 0.25F;           // rms across by rms along
 
-// Of the nine cells around a middle one, row by row from the south-west: where they lie.
+// Of the nine cells around a middle one, which is the fifth, row by row from the south-west: where they lie.
+constexpr int kMiddle = 4;
 constexpr std::array<int, 9> kRightOf = {-1, 0, 1, -1, 0, 1, -1, 0, 1};
 constexpr std::array<int, 9> kUpOf = {-1, -1, -1, 0, 0, 0, 1, 1, 1};
 
@@ -195,11 +196,17 @@ void SurfaceMap::Enter(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) 
 }
 
 const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2f& normal) const {
-  const int column = static_cast<int>(std::floor(p.x() * cells_per_m_));
-  const int row = static_cast<int>(std::floor(p.y() * cells_per_m_));
+  const float x = p.x() * cells_per_m_;
+  const float y = p.y() * cells_per_m_;
+  const float left = std::floor(x);
+  const float bottom = std::floor(y);
+  const int column = static_cast<int>(left);
+  const int row = static_cast<int>(bottom);
   const SurfaceTile* centre = TileAt(column, row);
   if (centre == nullptr) return nullptr;
   const std::size_t middle = SurfaceTile::CellOf(column, row);
+  std::uint32_t around = centre->cells[middle] >> SurfaceTile::kAround;
+  if (around == 0) return nullptr;
   const Surfel* nearest = nullptr;
   float nearest_square = std::numeric_limits<float>::max();
   const auto visit = [&](const SurfaceTile& tile, std::size_t cell) {
@@ -212,13 +219,20 @@ const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2
       nearest = &surfel;
     }
   };
+  // The cell itself first: what it holds is mostly nearer than what the others can hold.
+  if ((around & (1U << kMiddle)) != 0) visit(*centre, middle);
+  around &= ~(1U << kMiddle);
+  const auto gap_square = [cell = static_cast<float>(cell_size_m_)](float cells) { return cells * cells * cell * cell; };
+  const std::array<float, 3> beside = {gap_square(x - left), 0.0F, gap_square(left + 1.0F - x)};
+  const std::array<float, 3> above = {gap_square(y - bottom), 0.0F, gap_square(bottom + 1.0F - y)};
   constexpr unsigned kInner = SurfaceTile::kCells - 2;
   const auto inner = [](int i) { return static_cast<unsigned>((i & (SurfaceTile::kCells - 1)) - 1) < kInner; };
   const bool one_tile = inner(column) && inner(row);
-  for (std::uint32_t around = centre->cells[middle] >> SurfaceTile::kAround; around != 0; around &= around - 1) {
+  for (; around != 0; around &= around - 1) {
     const auto place = static_cast<std::size_t>(std::countr_zero(around));
     const int right = kRightOf[place];
     const int up = kUpOf[place];
+    if (beside[static_cast<std::size_t>(right + 1)] + above[static_cast<std::size_t>(up + 1)] >= nearest_square) continue;
     if (one_tile) {
       visit(*centre, middle + static_cast<std::size_t>(up * SurfaceTile::kCells + right));
     } else {

@@ -2,38 +2,62 @@
 #include "survey/grid/occupancy_pyramid.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <limits>
 
 namespace survey {
 namespace {
 
 constexpr double kQuantum = 0.01;  // log-odds of one step of evidence
-constexpr std::int16_t kNoStep = std::numeric_limits<std::int16_t>::min();
 constexpr int kGrowthCells = 128;  // the array grows in steps of this many cells; a multiple of 2^(levels-1)
 
 double LogOdds(double p) { return std::log(p / (1.0 - p)); }
 
-// Most spans are of a few cells: stores that overlap are faster than a loop.
-void FillShort(std::int16_t value, std::int16_t* begin, int n) {
-  if (n >= 8) {
-    std::fill_n(begin, n, value);
-  } else if (n >= 4) {
-    std::fill_n(begin, 4, value);
-    std::fill_n(begin + (n - 4), 4, value);
-  } else {
-    begin[0] = begin[n / 2] = begin[n - 1] = value;
+// Evidence of a scan for one cell, and its bounds.
+struct Steps {
+  std::int16_t hit, miss, prior, highest;
+};
+
+// Cells that are updated together.
+constexpr int kPack = 8;
+using Pack [[gnu::vector_size(kPack * sizeof(std::int16_t))]] = std::int16_t;
+
+// All bits of lane i set where bit i of the index is.
+constexpr auto kMasks = [] {
+  std::array<std::array<std::int16_t, kPack>, 256> masks{};
+  for (std::size_t bits = 0; bits < masks.size(); ++bits) {
+    for (std::size_t lane = 0; lane < kPack; ++lane)
+      masks[bits][lane] = static_cast<std::int16_t>(-static_cast<int>((bits >> lane) & 1U));
   }
+  return masks;
+}();
+Pack MaskOf(std::uint64_t bits) { return std::bit_cast<Pack>(kMasks[bits & 0xff]); }
+
+Pack Load(const OccupancyPyramid::Evidence* cells) {
+  Pack pack;
+  std::memcpy(&pack, cells, sizeof(pack));
+  return pack;
 }
 
-// Adds the steps to n cells, clamped to [1, highest], and puts kNoStep back in their place.
-void AddSteps(std::int16_t prior, std::int16_t highest, std::int16_t* steps, OccupancyPyramid::Evidence* cells, int n) {
-  for (int i = 0; i < n; ++i) {
-    const auto old = static_cast<std::int16_t>(cells[i]);
-    const std::int16_t from = old == 0 ? prior : old;
-    const auto sum = static_cast<std::int16_t>(from + steps[i]);
-    const std::int16_t clamped = std::clamp(sum, std::int16_t{1}, highest);
-    cells[i] = static_cast<OccupancyPyramid::Evidence>(steps[i] == kNoStep ? old : clamped);
-    steps[i] = kNoStep;
+void Store(const Pack& pack, OccupancyPyramid::Evidence* cells) { std::memcpy(cells, &pack, sizeof(pack)); }
+
+// Enters hits and misses in the cells of a pack, clamped to [1, highest].
+void UpdatePack(const Pack& hit, const Pack& missed, const Steps& steps, OccupancyPyramid::Evidence* cells) {
+  const Pack old = Load(cells);
+  const Pack sum = old + ((old == 0) & steps.prior) + (hit & steps.hit) + (missed & steps.miss);
+  const Pack not_below = sum > 1 ? sum : Pack{} + std::int16_t{1};
+  const Pack clamped = not_below < steps.highest ? not_below : Pack{} + steps.highest;
+  const Pack touched = hit | missed;
+  Store((touched & clamped) | (~touched & old), cells);
+}
+
+// The same for a whole word of cells, of which all were missed.
+void UpdateMissed(const Steps& steps, OccupancyPyramid::Evidence* cells) {
+  for (int i = 0; i < CellBits::kColumns; i += kPack) {
+    const Pack old = Load(cells + i);
+    const Pack sum = old + ((old == 0) & steps.prior) + steps.miss;
+    Store(sum > 1 ? sum : Pack{} + std::int16_t{1}, cells + i);
   }
 }
 
@@ -90,10 +114,12 @@ void OccupancyPyramid::Insert(const Eigen::Vector2f& origin, std::span<const Eig
   const Level& base = levels_.front();
   const int low_row = static_cast<int>(base.RowOf(low.y()));
   const int high_row = static_cast<int>(base.RowOf(high.y()));
+  const int low_column = static_cast<int>(base.ColumnOf(low.x()));
+  const int high_column = static_cast<int>(base.ColumnOf(high.x()));
   touched_.assign(static_cast<std::size_t>(base.height), {});
-  steps_.resize(static_cast<std::size_t>(base.width), kNoStep);
-
-  hit_columns_.Reset(base.height);
+  // A cell around, for the rounding of rays: GrowToHold has left two.
+  missed_.Reset(low_row - 1, high_row + 1, low_column - 1, high_column + 1);
+  hit_.Reset(low_row - 1, high_row + 1, low_column - 1, high_column + 1);
   fan_.Begin(base.ColumnOf(origin.x()), base.RowOf(origin.y()));
   const auto add = [&](std::span<const Eigen::Vector2f> points, bool have_rays, bool are_hits) {
     for (const Eigen::Vector2f& point : points) {
@@ -102,31 +128,37 @@ void OccupancyPyramid::Insert(const Eigen::Vector2f& origin, std::span<const Eig
       const auto column = static_cast<int>(x);
       const auto row = static_cast<int>(y);
       if (have_rays) fan_.Add(x, y, column, row);
-      if (are_hits) hit_columns_.Add(row, column);
+      if (are_hits) hit_.LineOf(row).Add(column);
     }
   };
   add(hits, true, true);
   add(free_ends, true, false);
   add(surface, false, true);
-  fan_.ForEachRow(
-      low_row, high_row,
-      [steps = steps_.data(), miss = miss_step_](int first, int last) {
-        FillShort(miss, steps + first, last + 1 - first);
-      },
-      [this](int row, const ColumnSpan& missed) { UpdateRow(row, missed); });
+  fan_.Mark(&missed_);
+  for (int row = low_row; row <= high_row; ++row) UpdateRow(row);
   UpdateCoarseLevels(low_row, high_row);
 }
 
-void OccupancyPyramid::UpdateRow(int row, const ColumnSpan& missed) {
-  ColumnSpan touched = missed;
-  hit_columns_.ForEach(row, [&](int column) {
-    steps_[static_cast<std::size_t>(column)] = hit_step_;
-    touched = Hull(touched, {column, column});
-  });
-  touched_[static_cast<std::size_t>(row)] = touched;
-  if (touched.empty()) return;
-  AddSteps(prior_, max_evidence_, steps_.data() + touched.first, levels_.front().RowBegin(row) + touched.first,
-           touched.last + 1 - touched.first);
+void OccupancyPyramid::UpdateRow(int row) {
+  const std::span<const std::uint64_t> missed = missed_.Row(row);
+  const std::span<const std::uint64_t> hit = hit_.Row(row);
+  const Steps steps = {hit_step_, miss_step_, prior_, max_evidence_};
+  ColumnSpan& touched = touched_[static_cast<std::size_t>(row)];
+  Evidence* cells = levels_.front().RowBegin(row) + missed_.FirstColumn();
+  for (std::size_t word = 0; word < missed.size(); ++word, cells += CellBits::kColumns) {
+    std::uint64_t hits = hit[word];
+    std::uint64_t misses = missed[word] & ~hits;
+    if ((hits | misses) == 0) continue;
+    const int column = missed_.FirstColumn() + static_cast<int>(word) * CellBits::kColumns;
+    touched = {std::min(touched.first, column), column + CellBits::kColumns - 1};
+    if (~misses == 0) {
+      UpdateMissed(steps, cells);
+      continue;
+    }
+    for (Evidence* pack = cells; (hits | misses) != 0; pack += kPack, hits >>= kPack, misses >>= kPack) {
+      if (((hits | misses) & 0xff) != 0) UpdatePack(MaskOf(hits), MaskOf(misses), steps, pack);
+    }
+  }
 }
 
 void OccupancyPyramid::UpdateCoarseLevels(int low_row, int high_row) {
@@ -143,7 +175,7 @@ void OccupancyPyramid::UpdateCoarseLevels(int low_row, int high_row) {
       const ColumnSpan lower = touched_[static_cast<std::size_t>(2 * row)];
       const ColumnSpan upper = touched_[static_cast<std::size_t>(2 * row) + 1];
       ColumnSpan& touched = touched_[static_cast<std::size_t>(row)];
-      touched = Hull(lower, upper);
+      touched = {std::min(lower.first, upper.first), std::max(lower.last, upper.last)};
       if (touched.empty()) continue;
       touched = {touched.first / 2, touched.last / 2};
       MaximaOfFour(child.RowBegin(2 * row) + 2 * touched.first, child.RowBegin(2 * row + 1) + 2 * touched.first,

@@ -10,11 +10,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include "survey/grid/cell_bits.h"
 #include "survey/grid/ray_fan.h"
-#include "survey/grid/row_lists.h"
 
 namespace survey {
 
@@ -32,6 +33,14 @@ struct InterpolatedOccupancy {
   float value = 0.0F;
   float d_dx = 0.0F;
   float d_dy = 0.0F;
+};
+
+// Columns first ... last, both included; without arguments none.
+struct ColumnSpan {
+  int first = std::numeric_limits<int>::max();
+  int last = -1;
+
+  bool empty() const { return last < first; }
 };
 
 class OccupancyPyramid {
@@ -133,7 +142,7 @@ class OccupancyPyramid {
   };
 
   void GrowToHold(const Eigen::Vector2f& low, const Eigen::Vector2f& high);
-  void UpdateRow(int row, const ColumnSpan& missed);  // of the scan that is being inserted; rows of the array
+  void UpdateRow(int row);  // of the scan that is being inserted; rows of the array
   void UpdateCoarseLevels(int low_row, int high_row);
 
   OccupancyOptions options_;
@@ -145,8 +154,8 @@ class OccupancyPyramid {
   std::vector<Level> levels_;
   // Of the scan that is being inserted; kept for their memory.
   RayFan fan_;
-  RowLists<int> hit_columns_;
-  std::vector<std::int16_t> steps_;  // by column of one row: what to add
+  CellBits missed_;
+  CellBits hit_;
   std::vector<ColumnSpan> touched_;  // by row
 };
 

@@ -19,38 +19,35 @@ namespace {
 using Cells = std::set<std::pair<int, int>>;  // column, row
 using Points = std::vector<Eigen::Vector2f>;
 
+Cells CellsOf(const CellBits& bits, int first_row, int last_row) {
+  Cells cells;
+  for (int row = first_row; row <= last_row; ++row) {
+    int column = bits.FirstColumn();
+    for (std::uint64_t word : bits.Row(row)) {
+      for (int i = 0; i < CellBits::kColumns; ++i, ++column, word >>= 1) {
+        if ((word & 1) != 0) cells.emplace(column, row);
+      }
+    }
+  }
+  return cells;
+}
+
 Cells CellsOfFan(const Eigen::Vector2f& origin, const Points& ends) {
   RayFan fan;
   fan.Begin(origin.x(), origin.y());
-  auto low_row = static_cast<int>(origin.y());
-  int high_row = low_row;
+  Eigen::Vector2f low = origin;
+  Eigen::Vector2f high = origin;
   for (const Eigen::Vector2f& end : ends) {
-    const auto row = static_cast<int>(end.y());
-    fan.Add(end.x(), end.y(), static_cast<int>(end.x()), row);
-    low_row = std::min(low_row, row);
-    high_row = std::max(high_row, row);
+    fan.Add(end.x(), end.y(), static_cast<int>(end.x()), static_cast<int>(end.y()));
+    low = low.cwiseMin(end);
+    high = high.cwiseMax(end);
   }
-  Cells cells;
-  std::set<int> rows;
-  std::vector<int> columns;
-  fan.ForEachRow(
-      low_row, high_row,
-      [&](int first, int last) {
-        EXPECT_LE(first, last);
-        for (int column = first; column <= last; ++column) columns.push_back(column);
-      },
-      [&](int row, const ColumnSpan& crossed) {
-        EXPECT_TRUE(rows.insert(row).second) << row;
-        EXPECT_EQ(crossed.empty(), columns.empty());
-        if (!columns.empty()) {
-          EXPECT_EQ(crossed.first, *std::min_element(columns.begin(), columns.end()));
-          EXPECT_EQ(crossed.last, *std::max_element(columns.begin(), columns.end()));
-        }
-        for (const int column : columns) cells.emplace(column, row);
-        columns.clear();
-      });
-  EXPECT_EQ(rows.size(), static_cast<std::size_t>(high_row - low_row + 1));
-  return cells;
+  const Eigen::Vector2i first = (low.cast<int>().array() - 1).max(0);
+  const Eigen::Vector2i last = high.cast<int>().array() + 1;
+  CellBits crossed;
+  crossed.Reset(first.y(), last.y(), first.x(), last.x());
+  fan.Mark(&crossed);
+  return CellsOf(crossed, first.y(), last.y());
 }
 
 Cells CellsOfRays(const Eigen::Vector2f& origin, const Points& ends) {

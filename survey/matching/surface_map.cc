@@ -11,11 +11,9 @@
 namespace survey {
 namespace {
 
-constexpr float kNormalReach_m = 0.3F;   // neighbours along the scan that count for a normal
-constexpr float kMaxGap_m = 0.3F;        // neighbours farther apart than this ...
-constexpr float kMaxGapPerRange = 0.1F;  // ... and this part of the range lie on different surfaces
-constexpr float kNeighboursPerSide = 6.0F;
-constexpr float kMaxNeighbourStep = 12.0F;
+constexpr float kNormalReach_m = 0.3F;        // neighbours along the scan that count for a normal
+constexpr float kMaxGap_m = 0.3F;             // neighbours farther apart than this ...
+constexpr float kMaxGapPerRange = 0.1F;       // ... and this part of the range lie on different surfaces
 constexpr float kSharpBeamSpacing_m = 0.03F;  // single points of wider beams weigh less
 constexpr float kMaxRoughness_m = 0.03F;      // rms distance from the line
 constexpr float kMaxAspect = 0.25F;           // rms across by rms along
@@ -25,25 +23,25 @@ constexpr int kMiddle = 4;
 constexpr std::array<int, 9> kRightOf = {-1, 0, 1, -1, 0, 1, -1, 0, 1};
 constexpr std::array<int, 9> kUpOf = {-1, -1, -1, 0, 0, 0, 1, 1, 1};
 
-// Line through neighbouring points: second moments about their mean.
+// Sums over points, for the line through them.
 struct Moments {
-  float n = 0.0F, x = 0.0F, y = 0.0F, xx = 0.0F, xy = 0.0F, yy = 0.0F;
-  void Add(const Eigen::Vector2f& d) {
-    n += 1.0F;
-    x += d.x();
-    y += d.y();
-    xx += d.x() * d.x();
-    xy += d.x() * d.y();
-    yy += d.y() * d.y();
+  double n = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+  Moments Plus(double px, double py) const {
+    return {n + 1.0, x + px, y + py, xx + px * px, xy + px * py, yy + py * py};
+  }
+  Moments Minus(const Moments& other) const {
+    return {n - other.n, x - other.x, y - other.y, xx - other.xx, xy - other.xy, yy - other.yy};
   }
 };
 
-// Unit normal of the line through the moments, or zero when they are no line.
+// Unit normal of the line through the points, or zero when they are no line.
 Eigen::Vector2f NormalOf(const Moments& m) {
-  if (m.n < 3.0F) return Eigen::Vector2f::Zero();
-  const float xx = m.xx / m.n - (m.x / m.n) * (m.x / m.n);
-  const float xy = m.xy / m.n - (m.x / m.n) * (m.y / m.n);
-  const float yy = m.yy / m.n - (m.y / m.n) * (m.y / m.n);
+  if (m.n < 3.0) return Eigen::Vector2f::Zero();
+  const double mean_x = m.x / m.n;
+  const double mean_y = m.y / m.n;
+  const auto xx = static_cast<float>(m.xx / m.n - mean_x * mean_x);
+  const auto xy = static_cast<float>(m.xy / m.n - mean_x * mean_y);
+  const auto yy = static_cast<float>(m.yy / m.n - mean_y * mean_y);
   const float half_trace = 0.5F * (xx + yy);
   const float half_difference = 0.5F * (xx - yy);
   const float root = std::sqrt(half_difference * half_difference + xy * xy);
@@ -57,6 +55,12 @@ Eigen::Vector2f NormalOf(const Moments& m) {
   return Eigen::Vector2f(-direction.y(), direction.x()).normalized();
 }
 
+// Weight of a single point where neighbouring beams that hit are so far apart: it may lie anywhere between them.
+float SharpnessOf(float beam_spacing) {
+  const float blur = std::max(1.0F, beam_spacing / kSharpBeamSpacing_m);
+  return 1.0F / (blur * blur);
+}
+
 // Distance across the beam to the neighbouring beam that hit: how well a single point is placed.
 float BeamSpacing(std::span<const Eigen::Vector2f> hits, std::size_t i) {
   float spacing = std::numeric_limits<float>::max();
@@ -68,33 +72,47 @@ float BeamSpacing(std::span<const Eigen::Vector2f> hits, std::size_t i) {
   return spacing;
 }
 
-// Adds the neighbours of hit i on one side, every |step|-th, up to a gap or the reach, but two if there are.
-void AddNeighbours(std::span<const Eigen::Vector2f> hits, std::size_t i, std::ptrdiff_t step, float max_gap,
-                   Moments* moments) {
-  const auto end = static_cast<std::ptrdiff_t>(hits.size());
-  int count = 0;
-  for (std::ptrdiff_t j = static_cast<std::ptrdiff_t>(i) + step; j >= 0 && j < end; j += step) {
-    const Eigen::Vector2f& hit = hits[static_cast<std::size_t>(j)];
-    const Eigen::Vector2f d = hit - hits[i];
-    if ((hit - hits[static_cast<std::size_t>(j - step)]).squaredNorm() > max_gap * max_gap) return;
-    if (count >= 2 && d.squaredNorm() > kNormalReach_m * kNormalReach_m) return;
-    moments->Add(d);
-    ++count;
+// Normals of the surface at hits, asked in the order of the scan: of the line through the neighbours of the same
+// surface that are in reach, but two on each side if there are.
+class NormalsAlongScan {
+ public:
+  explicit NormalsAlongScan(std::span<const Eigen::Vector2f> hits)
+      : hits_(hits), up_to_(hits.size() + 1), surface_(hits.size()) {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      up_to_[i + 1] = up_to_[i].Plus(static_cast<double>(hits[i].x()), static_cast<double>(hits[i].y()));
+      if (i > 0) surface_[i] = surface_[i - 1] + (GapBefore(i) ? 1 : 0);
+    }
   }
-}
 
-Eigen::Vector2f NormalAt(std::span<const Eigen::Vector2f> hits, std::size_t i, float beam_spacing) {
-  Moments moments;
-  moments.Add(Eigen::Vector2f::Zero());
-  const float max_gap = kMaxGap_m + kMaxGapPerRange * hits[i].norm();
-  // Some neighbours tell as much as all of them.
-  const auto step = static_cast<std::ptrdiff_t>(
-      std::clamp(kNormalReach_m / (kNeighboursPerSide * beam_spacing), 1.0F, kMaxNeighbourStep));
-  AddNeighbours(hits, i, -step, max_gap, &moments);
-  AddNeighbours(hits, i, step, max_gap, &moments);
-  const Eigen::Vector2f normal = NormalOf(moments);
-  return normal.dot(hits[i]) > 0.0F ? Eigen::Vector2f(-normal) : normal;
-}
+  // Pointing to the lidar; zero where there is no line.
+  Eigen::Vector2f At(std::size_t i) {
+    while (surface_[first_] != surface_[i] || (first_ + 2 < i && !InReach(first_, i))) ++first_;
+    last_ = std::max(last_, i);
+    while (last_ > i + 2 && !InReach(last_, i)) --last_;
+    while (last_ + 1 < hits_.size() && surface_[last_ + 1] == surface_[i] && (last_ < i + 2 || InReach(last_ + 1, i)))
+      ++last_;
+    const Eigen::Vector2f normal = NormalOf(up_to_[last_ + 1].Minus(up_to_[first_]));
+    return normal.dot(hits_[i]) > 0.0F ? Eigen::Vector2f(-normal) : normal;
+  }
+
+ private:
+  // Whether hit i lies on another surface than the one before.
+  bool GapBefore(std::size_t i) const {
+    const float square = (hits_[i] - hits_[i - 1]).squaredNorm();
+    if (square <= kMaxGap_m * kMaxGap_m) return false;
+    const float max_gap = kMaxGap_m + kMaxGapPerRange * hits_[i].norm();
+    return square > max_gap * max_gap;
+  }
+  bool InReach(std::size_t i, std::size_t j) const {
+    return (hits_[i] - hits_[j]).squaredNorm() <= kNormalReach_m * kNormalReach_m;
+  }
+
+  std::span<const Eigen::Vector2f> hits_;
+  std::vector<Moments> up_to_;  // of the hits before
+  std::vector<int> surface_;    // by hit
+  std::size_t first_ = 0;       // neighbours of the last hit asked for
+  std::size_t last_ = 0;
+};
 
 // Leaves of the hits, numbered by `kept` in their order, those that lie at least the spacing from the last one left.
 void ThinOut(std::span<const Eigen::Vector2f> hits, float spacing, std::vector<std::size_t>* kept) {
@@ -111,16 +129,23 @@ void SurfacePointsOfScan(std::span<const Eigen::Vector2f> hits, double spacing_m
                          std::vector<SurfacePoint>* points) {
   std::vector<std::size_t> kept(hits.size());
   std::iota(kept.begin(), kept.end(), std::size_t{0});
-  for (auto spacing = static_cast<float>(spacing_m);; spacing *= 1.4142135F) {
-    ThinOut(hits, spacing, &kept);
-    if (max_points == 0 || kept.size() <= max_points) break;
+  auto spacing = static_cast<float>(spacing_m);
+  ThinOut(hits, spacing, &kept);
+  // More neighbours than these would not tell more of a surface.
+  std::vector<Eigen::Vector2f> neighbours;
+  neighbours.reserve(kept.size());
+  for (const std::size_t i : kept) neighbours.push_back(hits[i]);
+  std::vector<std::size_t> chosen(kept.size());
+  std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+  while (max_points != 0 && chosen.size() > max_points) {
+    spacing *= 1.4142135F;
+    ThinOut(neighbours, spacing, &chosen);
   }
   points->clear();
-  for (const std::size_t i : kept) {
-    const float beam_spacing = BeamSpacing(hits, i);
-    const Eigen::Vector2f normal = NormalAt(hits, i, beam_spacing);
-    const float blur = std::max(1.0F, beam_spacing / kSharpBeamSpacing_m);
-    points->push_back({hits[i], normal, normal.isZero() ? 1.0F / (blur * blur) : 1.0F});
+  NormalsAlongScan normals(neighbours);
+  for (const std::size_t i : chosen) {
+    const Eigen::Vector2f normal = normals.At(i);
+    points->push_back({neighbours[i], normal, normal.isZero() ? SharpnessOf(BeamSpacing(hits, kept[i])) : 1.0F});
   }
 }
 
@@ -222,7 +247,9 @@ const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2
   // The cell itself first: what it holds is mostly nearer than what the others can hold.
   if ((around & (1U << kMiddle)) != 0) visit(*centre, middle);
   around &= ~(1U << kMiddle);
-  const auto gap_square = [cell = static_cast<float>(cell_size_m_)](float cells) { return cells * cells * cell * cell; };
+  const auto gap_square = [cell = static_cast<float>(cell_size_m_)](float cells) {
+    return cells * cells * cell * cell;
+  };
   const std::array<float, 3> beside = {gap_square(x - left), 0.0F, gap_square(left + 1.0F - x)};
   const std::array<float, 3> above = {gap_square(y - bottom), 0.0F, gap_square(bottom + 1.0F - y)};
   constexpr unsigned kInner = SurfaceTile::kCells - 2;
@@ -232,7 +259,8 @@ const Surfel* SurfaceMap::Nearest(const Eigen::Vector2f& p, const Eigen::Vector2
     const auto place = static_cast<std::size_t>(std::countr_zero(around));
     const int right = kRightOf[place];
     const int up = kUpOf[place];
-    if (beside[static_cast<std::size_t>(right + 1)] + above[static_cast<std::size_t>(up + 1)] >= nearest_square) continue;
+    if (beside[static_cast<std::size_t>(right + 1)] + above[static_cast<std::size_t>(up + 1)] >= nearest_square)
+      continue;
     if (one_tile) {
       visit(*centre, middle + static_cast<std::size_t>(up * SurfaceTile::kCells + right));
     } else {

@@ -148,8 +148,13 @@ MatchResult MatchToSurfaces(const SurfaceMap* coarse, const SurfaceMap& map,
   for (int i = 0; coarse != nullptr && i < 4; ++i) {
     if (small(step(*coarse, kCoarseStride, options.coarse_loss_m), 0.02, 0.002)) break;
   }
+  // Until what is left to go, if steps go on shrinking as the last two did (a geometric series), is small.
+  double last_size = 0.0;
   for (int i = 0; i < options.max_iterations; ++i) {
-    if (small(step(map, 1, options.loss_m), options.step_m, options.step_rad)) break;
+    const Eigen::Vector3d d = step(map, 1, options.loss_m);
+    const double size = std::max(d.head<2>().norm() / options.step_m, std::abs(d.z()) / options.step_rad);
+    if (size < 1.0 || size * size < last_size - size) break;
+    last_size = size;
   }
   if (!pose.Vector().allFinite()) return result;
   result.map_from_scan = pose;

@@ -25,27 +25,24 @@ class Accumulator {
   // One distance r with direction n at arm (rx, ry) from the lidar, weight w.
   void Add(float nx, float ny, float rx, float ry, float r, float w) {
     const float jt = rx * ny - ry * nx;
-    const float wx = w * nx;
-    const float wy = w * ny;
-    const float wt = w * jt;
-    hxx_ += static_cast<double>(wx * nx);
-    hxy_ += static_cast<double>(wx * ny);
-    hxt_ += static_cast<double>(wx * jt);
-    hyy_ += static_cast<double>(wy * ny);
-    hyt_ += static_cast<double>(wy * jt);
-    htt_ += static_cast<double>(wt * jt);
-    gx_ += static_cast<double>(wx * r);
-    gy_ += static_cast<double>(wy * r);
-    gt_ += static_cast<double>(wt * r);
+    const Eigen::Array4f row(nx, ny, jt, r);
+    x_ += w * nx * row;
+    y_ += w * ny * row;
+    t_ += w * jt * row;
   }
   void Finish(double scale, Normals* result) const {
-    result->normal << hxx_, hxy_, hxt_, hxy_, hyy_, hyt_, hxt_, hyt_, htt_;
-    result->normal *= scale;
-    result->gradient = scale * Eigen::Vector3d(gx_, gy_, gt_);
+    Eigen::Matrix<double, 3, 4> sums;
+    sums << x_.matrix().transpose().cast<double>(), y_.matrix().transpose().cast<double>(),
+        t_.matrix().transpose().cast<double>();
+    result->normal = scale * sums.leftCols<3>().selfadjointView<Eigen::Upper>().toDenseMatrix();
+    result->gradient = scale * sums.col(3);
   }
 
  private:
-  double hxx_ = 0, hxy_ = 0, hxt_ = 0, hyy_ = 0, hyt_ = 0, htt_ = 0, gx_ = 0, gy_ = 0, gt_ = 0;
+  // Weighted products of n_x, n_y and the turning arm with these three and r.
+  Eigen::Array4f x_ = Eigen::Array4f::Zero();
+  Eigen::Array4f y_ = Eigen::Array4f::Zero();
+  Eigen::Array4f t_ = Eigen::Array4f::Zero();
 };
 
 Normals Evaluate(const SurfaceMap& map, std::span<const SurfacePoint> points, std::size_t stride, const Pose2& pose,

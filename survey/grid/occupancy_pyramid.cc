@@ -146,8 +146,8 @@ void OccupancyPyramid::UpdateRow(int row) {
   ColumnSpan& touched = touched_[static_cast<std::size_t>(row)];
   Evidence* cells = levels_.front().RowBegin(row) + missed_.FirstColumn();
   for (std::size_t word = 0; word < missed.size(); ++word, cells += CellBits::kColumns) {
-    std::uint64_t hits = hit[word];
-    std::uint64_t misses = missed[word] & ~hits;
+    const std::uint64_t hits = hit[word];
+    const std::uint64_t misses = missed[word] & ~hits;
     if ((hits | misses) == 0) continue;
     const int column = missed_.FirstColumn() + static_cast<int>(word) * CellBits::kColumns;
     touched = {std::min(touched.first, column), column + CellBits::kColumns - 1};
@@ -155,8 +155,10 @@ void OccupancyPyramid::UpdateRow(int row) {
       UpdateMissed(steps, cells);
       continue;
     }
-    for (Evidence* pack = cells; (hits | misses) != 0; pack += kPack, hits >>= kPack, misses >>= kPack) {
-      if (((hits | misses) & 0xff) != 0) UpdatePack(MaskOf(hits), MaskOf(misses), steps, pack);
+    for (std::uint64_t left = hits | misses; left != 0;) {
+      const int pack = std::countr_zero(left) / kPack * kPack;
+      left &= ~(std::uint64_t{0xff} << pack);
+      UpdatePack(MaskOf(hits >> pack), MaskOf(misses >> pack), steps, cells + pack);
     }
   }
 }

@@ -16,6 +16,7 @@ using Eigen::Vector3d;
 constexpr StampNs kMarkMargin = 300'000'000;   // people write marks a little too long
 constexpr double kContradictionLimit_s = 1.0;  // then the filter follows the matches
 constexpr double kMaxOdometryGap_s = 0.5;
+constexpr double kLongestMeanVelocity_s = 1.0;  // over longer, a mean velocity is not the one at the end
 
 double Square(double x) { return x * x; }
 
@@ -26,6 +27,14 @@ ErrorMatrix StartCovariance(double tilt_sigma, double velocity_sigma, double gyr
       Square(tilt_sigma), pose(2, 2), Vector3d::Constant(Square(gyro_sigma)),
       Vector3d::Constant(Square(accelerometer_sigma));
   return covariance;
+}
+
+// Of the way over dt, m2 per axis: by velocity, and over a gap of the scans by tilt, gyro and accelerometer biases,
+// which grow with its higher powers.
+double VarianceOfWay(const ErrorMatrix& covariance, double gravity, double dt) {
+  const auto level = [&](int axis) { return std::max(covariance(axis, axis), covariance(axis + 1, axis + 1)); };
+  const double tilt = level(6) + level(9) * Square(dt / 3.0);
+  return level(3) * Square(dt) + (Square(gravity) * tilt + level(12)) * Square(0.5 * dt * dt);
 }
 
 // Levelled axes with the lidar's heading zero: columns are the lidar's x and y seen from above.
@@ -143,9 +152,8 @@ std::optional<InertialMotion> InertialNavigator::Advance(StampNs stamp_ns) {
   moved.motion = Between(last_lidar_, LidarPose(state));
   moved.twist = LidarTwist(stamp_ns);
   moved.level_from_lidar = LevelFromLidar(state.local_from_body, session_.setup.body_from_lidar.theta);
-  const double velocity_variance = std::max(covariance(3, 3), covariance(4, 4));
-  const double gyro_noise = Square(options_.noise.gyro_noise_rad_s_rthz);
-  moved.variances = {velocity_variance * dt * dt, covariance(11, 11) * dt * dt + gyro_noise * dt};
+  moved.variances = {VarianceOfWay(filter_->covariance(), earth_.gravity_in_nav.norm(), dt),
+                     covariance(11, 11) * dt * dt + Square(options_.noise.gyro_noise_rad_s_rthz) * dt};
   WatchTilt(stamp_ns);
   return moved;
 }
@@ -220,6 +228,7 @@ void InertialNavigator::UpdateByOdometry(StampNs stamp_ns, StampNs lead_ns) {
   const std::optional<Pose2> to = odometry_.At(stamp_ns - lead_ns);
   if (!from || !to) return;
   const double dt = Seconds(stamp_ns - step_ns_);
+  if (dt > kLongestMeanVelocity_s) return;
   const Eigen::Vector2d v = Between(*from, *to).Translation() / dt;
   filter_->UpdateBodyVelocity(v, options_.odometry_sigma_m_s + options_.odometry_sigma_per_m_s * v.norm());
 }

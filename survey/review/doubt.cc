@@ -54,11 +54,13 @@ class Finder {
     return {IdOf(first), IdOf(last)};
   }
 
+  // Up to the first scan the prediction stood alone even where that one was matched: scans were missing before it.
   double DriftOver(const ScanRange& stretch) const {
     double drift = 0.0;
     for (std::size_t i = std::max<std::size_t>(IndexOf(stretch.first), 1); i <= IndexOf(stretch.last); ++i) {
       const Pose2 step = Between(Scans()[i - 1].local_from_scan, Scans()[i].local_from_scan);
-      if (!Scans()[i].matched) drift += DriftOf(Scans()[i].prediction) * step.Translation().norm();
+      if (!Scans()[i].matched || i == IndexOf(stretch.first))
+        drift += DriftOf(Scans()[i].prediction) * step.Translation().norm();
     }
     return drift;
   }

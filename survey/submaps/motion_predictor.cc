@@ -80,12 +80,11 @@ PredictedPose MotionPredictor::Predict(StampNs stamp_ns) {
 }
 
 // Each source by its innovations, and at least by what it cannot do better than, so that a quiet stretch does not make
-// it overconfident.
+// it overconfident. Constant velocity is not continued over a gap of the scans, but its uncertainty is.
 std::vector<MotionPredictor::Estimate> MotionPredictor::Estimates(double dt) const {
-  const double t = std::min(dt, kMaxVelocitySpan_s);
   std::vector<Estimate> estimates = {
-      {&*velocity_.motion, Square(0.002 + 0.25 * noise_.acceleration_m_s2 * t * t) + velocity_.innovations.square_m,
-       Square(0.001 + 0.25 * noise_.acceleration_rad_s2 * t * t) + velocity_.innovations.square_rad}};
+      {&*velocity_.motion, Square(0.002 + 0.25 * noise_.acceleration_m_s2 * dt * dt) + velocity_.innovations.square_m,
+       Square(0.001 + 0.25 * noise_.acceleration_rad_s2 * dt * dt) + velocity_.innovations.square_rad}};
   if (wheels_.motion) {
     estimates.push_back({&*wheels_.motion,
                          Square(0.002 + 0.02 * wheels_.motion->Translation().norm()) + wheels_.innovations.square_m,

@@ -102,6 +102,29 @@ void AddUnmatched(const Session& session, const Stretch& stretch, Track* track) 
                              {}});
 }
 
+bool DroveOn(const Track& track, std::size_t scan) {
+  const Pose2 motion = Between(track.scans[scan - 1].local_from_scan, track.scans[scan].local_from_scan);
+  return motion.Translation().norm() > 0.5 || std::abs(motion.theta) > 0.5;
+}
+
+// Scans are missing before this one. Bridged while the platform stood, that is nothing to ask about.
+void AddGap(const Session& session, std::size_t scan, Track* track) {
+  const double gap = SecondsBefore(session, scan);
+  const Prediction source = track->scans[scan].prediction;
+  const char* cause = "break";
+  const char* message = "no scan for %.1f s, with neither odometry nor IMU to go by";
+  if (source != Prediction::kConstantVelocity && HasOdometry(session, {scan - 1, scan + 1})) {
+    cause = "odometry_only";
+    message = "no scan for %.1f s, bridged by odometry";
+  } else if (source == Prediction::kInertial) {
+    cause = gap > kLongestInertial_s ? "break" : "inertial_only";
+    message = "no scan for %.1f s, with the IMU alone to go by";
+  }
+  const bool is_break = std::string_view(cause) == "break";
+  if (is_break || DroveOn(*track, scan))
+    track->requests.push_back({track->scans[scan].scan, cause, gap, Sentence(message, gap), {}});
+}
+
 ScanId ScanFrom(const Session& session, StampNs stamp_ns) {
   const auto found = std::lower_bound(session.scans.begin(), session.scans.end(), stamp_ns,
                                       [](const Scan& scan, StampNs stamp) { return scan.stamp_ns < stamp; });
@@ -132,13 +155,7 @@ void BridgeUnmatched(const Session& session, const std::vector<SmoothedCorrectio
 void AddRequests(const Session& session, const InertialSummary& inertial, Track* track) {
   for (const Stretch& stretch : UnmatchedStretches(*track)) AddUnmatched(session, stretch, track);
   for (std::size_t i = 1; i < track->scans.size(); ++i) {
-    const double gap = SecondsBefore(session, i);
-    if (gap <= kLongestScanGap_s || track->scans[i].prediction != Prediction::kConstantVelocity) continue;
-    track->requests.push_back({track->scans[i].scan,
-                               "break",
-                               gap,
-                               Sentence("no scan for %.1f s, with neither odometry nor IMU to go by", gap),
-                               {}});
+    if (SecondsBefore(session, i) > kLongestScanGap_s) AddGap(session, i, track);
   }
   for (const InertialDoubt& doubt : inertial.doubts) {
     const std::string message =

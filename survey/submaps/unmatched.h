@@ -16,8 +16,9 @@ namespace survey {
 void BridgeUnmatched(const Session& session, const std::vector<SmoothedCorrection>& corrections, Track* track);
 
 // Requests for stretches without a match. They are breaks (the map behind may be displaced) where only constant
-// velocity carried on for more than 0.3 s, or the IMU alone for more than 5 s; where scans are missing for 2 s with
-// nothing else to go by; and where the IMU says that the platform was tilted or the matches are false.
+// velocity carried on for more than 0.3 s, or the IMU alone for more than 5 s, and where the IMU says that the platform
+// was tilted or the matches are false. Where scans are missing for more than 2 s likewise: a break with nothing to go
+// by or with the IMU alone for more than 5 s.
 void AddRequests(const Session& session, const InertialSummary& inertial, Track* track);
 
 NavigationSummary SummarizeNavigation(const Session& session, const InertialSummary& inertial, const Track& track);

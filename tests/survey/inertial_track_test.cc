@@ -128,6 +128,43 @@ TEST(InertialTrackTest, TheImuCarriesThroughBlindness) {
   EXPECT_NEAR(track.navigation.unmatched_s, 2.0, 0.1);
 }
 
+// Scans are missing while the platform drives on.
+Session WithGap(Session session, double from_s, double seconds) {
+  std::erase_if(session.scans, [&](const Scan& scan) {
+    const double t = Seconds(scan.stamp_ns) - from_s;
+    return t > 0.0 && t < seconds;
+  });
+  return session;
+}
+
+// Of the last scan, from the first one on.
+double ErrorAtTheEnd(const Track& track) {
+  const Eigen::Vector2d way =
+      track.scans.back().local_from_scan.Translation() - track.scans.front().local_from_scan.Translation();
+  return std::abs(way.norm() - (RoomDrive().truth.back() - RoomDrive().truth.front()).norm());
+}
+
+TEST(InertialTrackTest, WheelsCarryOverAGapOfTheScansAndItIsAsked) {
+  for (const bool imu : {false, true}) {
+    for (const double seconds : {3.0, 8.0, 16.0}) {
+      const Track track = TrackBlock(WithGap(Without(imu, true), 116.0, seconds), {});
+      EXPECT_LT(ErrorAtTheEnd(track), 0.03) << imu << " " << seconds;
+      EXPECT_EQ(Breaks(track), 0) << imu << " " << seconds;
+      ASSERT_EQ(track.requests.size(), 1U);
+      EXPECT_EQ(track.requests[0].cause, "odometry_only");
+      EXPECT_EQ(track.requests[0].message.substr(0, 12), "no scan for ");
+    }
+  }
+}
+
+TEST(InertialTrackTest, AGapOfTheScansThatTheImuBridgesAloneIsABreakWhereItIsLong) {
+  const Track bridged = TrackBlock(WithGap(Without(true, false), 116.0, 3.0), {});
+  ASSERT_EQ(bridged.requests.size(), 1U);
+  EXPECT_EQ(bridged.requests[0].cause, "inertial_only");
+  EXPECT_LT(ErrorAtTheEnd(bridged), 0.03);
+  EXPECT_EQ(Breaks(TrackBlock(WithGap(Without(true, false), 116.0, 8.0), {})), 1);
+}
+
 TEST(InertialTrackTest, BlindnessWithNothingElseIsABreak) {
   Session session = Without(false, false);
   Blind(&session, 115.0, 2.0);

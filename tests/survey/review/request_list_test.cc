@@ -56,6 +56,15 @@ TEST_F(TwoLaps, AStretchWithoutMatchesIsAsLongAsItsScansAndDriftsWithItsWay) {
   EXPECT_NEAR(requests[0].score_m, 0.05 * 4.0, 1e-9);
 }
 
+TEST_F(TwoLaps, AGapOfTheScansDriftsWithTheWayOverIt) {
+  track.scans[500].prediction = Prediction::kOdometry;
+  track.scans[499].local_from_scan = track.scans[500].local_from_scan * Pose2{-4.0, 0.0, 0.0};
+  track.requests = {{{500}, "odometry_only", 4.0, "no scan for 4.0 s, bridged by odometry"}};
+  const std::vector<Request> requests = Requests();
+  ASSERT_EQ(requests.size(), 1U);
+  EXPECT_NEAR(requests[0].score_m, 0.05 * 4.0, 1e-9);
+}
+
 TEST_F(TwoLaps, DoubtsThatLieTogetherMakeOneRequestAboutTheLargest) {
   track.requests = {{{600}, "neff", 0.3, "a"},
                     {{610}, "neff", 0.2, "b"},

@@ -12,6 +12,7 @@
 #include "pipeline/stage.h"
 #include "survey/edits/masked_beams.h"
 #include "survey/inertial/motion_checks.h"
+#include "survey/sensors/stuck_odometry.h"
 
 namespace {
 
@@ -118,6 +119,7 @@ int main(int argc, char** argv) {
     if (!masks_file.empty()) DropMasked(masks_file, &session, run);
 
     std::vector<std::string> warnings = std::move(data.warnings);
+    for (std::string& warning : survey::DropStuckOdometry(&session)) warnings.push_back(std::move(warning));
     for (std::string& warning : survey::SessionWarnings(session)) warnings.push_back(std::move(warning));
     for (std::string& warning : survey::MotionWarnings(session)) warnings.push_back(std::move(warning));
     for (const std::string& note : data.notes) run.Message(note);

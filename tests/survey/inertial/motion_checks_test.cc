@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "survey/sensors/stuck_odometry.h"
 #include "survey/simulation/floor_plan.h"
 #include "survey/simulation/rig.h"
 #include "survey/simulation/route.h"
@@ -73,6 +74,35 @@ TEST(MotionChecksTest, TheImuIsToldFirst) {
   const std::vector<SessionFault> faults = CheckMotionSensors(session);
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_EQ(faults[0].part, SessionPart::kImu);
+}
+
+// From 110 s on the wheels tell one pose.
+Session WithStuckWheels() {
+  Session session = SoundSession();
+  std::optional<Pose2> stuck;
+  for (OdometrySample& sample : session.odometry) {
+    if (sample.stamp_ns < 110'000'000'000) continue;
+    if (!stuck) stuck = sample.odom_from_body;
+    sample.odom_from_body = *stuck;
+  }
+  return session;
+}
+
+TEST(StuckOdometryTest, WheelsThatStopToCountWhileTheScansMoveAreLeftOut) {
+  Session session = WithStuckWheels();
+  const std::vector<std::string> told = DropStuckOdometry(&session);
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].substr(0, 32), "odometry: one pose from 110.000 ");
+  EXPECT_EQ(session.odometry.back().stamp_ns, 110'000'000'000);
+  Session sound = SoundSession();
+  EXPECT_TRUE(DropStuckOdometry(&sound).empty());
+  EXPECT_EQ(sound.odometry.size(), SoundSession().odometry.size());
+}
+
+TEST(StuckOdometryTest, APlatformThatStandsStillIsNone) {
+  Session session = WithStuckWheels();
+  for (Scan& scan : session.scans) scan.ranges_m = session.scans.front().ranges_m;
+  EXPECT_TRUE(DropStuckOdometry(&session).empty());
 }
 
 }  // namespace

@@ -164,7 +164,8 @@ void AddScans(std::vector<CarmenLaser>* lasers, const std::vector<StampNs>& repa
     }
     CarmenRangeLimits limits = from_readings;
     if (laser.states_geometry) {
-      limits = {.max_m = laser.range_max_m, .sick_codes = laser.is_sick_lms && laser.range_max_m > 80};
+      limits = {.max_m = laser.range_max_m,
+                .sick_codes = laser.is_sick_lms ? SickUnitOf(laser.range_max_m) : SickUnit::kNone};
     }
     limits.min_m = options.range_min_m.value_or(limits.min_m);
     if (options.range_max_m) limits = {limits.min_m, *options.range_max_m, true, limits.sick_codes};

@@ -19,12 +19,18 @@ void PlaceBeamsByNumber(survey::ScanGeometry* geometry);  // fills the angles fr
 // 0.017453 is one degree, printed short: the nearest quarter of a degree, when that is within the last digit.
 double UnroundedAngle(double angle_rad);
 
+// The telegrams of a SICK LMS 2xx hold 8182 at most; from 8183 on they are codes.
+enum class SickUnit { kNone, kCentimetre, kMillimetre };
+
 struct CarmenRangeLimits {
   double min_m = 0.0;
   double max_m = 0.0;
   bool max_means_no_return = true;  // a reading of max_m itself; greater ones always do
-  bool sick_codes = false;          // readings from 81.83 m on are the codes of a SICK LMS 2xx
+  SickUnit sick_codes = SickUnit::kNone;
 };
+
+// The codes that a scanner of that range writes.
+SickUnit SickUnitOf(double range_max_m);
 
 // The limit of a log that does not state it, from all its readings.
 CarmenRangeLimits LimitsFromReadings(const std::vector<const std::vector<float>*>& scans);

@@ -156,7 +156,7 @@ TEST_F(CarmenLogTest, RearLaserOnlyWhenAlone) {
 TEST(CarmenScannerTest, SickCodesAreNoDistances) {
   std::vector<float> ranges = {81.82F, 81.83F, 81.91F, 81.87F, 0.0F, 12.0F};
   const CarmenRangeLimits limits = LimitsFromReadings({&ranges});
-  EXPECT_TRUE(limits.sick_codes);
+  EXPECT_EQ(limits.sick_codes, SickUnit::kCentimetre);
   EXPECT_EQ(limits.max_m, 81.83);
   ClassifyRanges(limits, &ranges);
   EXPECT_EQ(ranges[0], 81.82F);
@@ -165,6 +165,26 @@ TEST(CarmenScannerTest, SickCodesAreNoDistances) {
   EXPECT_TRUE(std::isnan(ranges[3]));
   EXPECT_TRUE(std::isnan(ranges[4]));
   EXPECT_EQ(ranges[5], 12.0F);
+}
+
+// In millimetres, printed as such or as centimetres.
+TEST(CarmenScannerTest, SickCodesOfMillimetresAreNoDistances) {
+  for (const auto& [beyond, none] : {std::pair(8.183F, 8.191F), std::pair(8.18F, 8.19F)}) {
+    std::vector<float> ranges(30, beyond);
+    ranges.insert(ranges.end(), {none, 8.0F, 0.0F, 3.0F});
+    const CarmenRangeLimits limits = LimitsFromReadings({&ranges});
+    EXPECT_EQ(limits.sick_codes, SickUnit::kMillimetre);
+    ClassifyRanges(limits, &ranges);
+    EXPECT_EQ(ranges[0], survey::kNoReturn);
+    EXPECT_TRUE(std::isnan(ranges[30]));
+    EXPECT_EQ(ranges[31], 8.0F);
+    EXPECT_TRUE(std::isnan(ranges[32]));
+    EXPECT_EQ(ranges[33], 3.0F);
+  }
+  std::vector<float> walls;
+  for (int i = 0; i < 400; ++i) walls.push_back(0.02F * static_cast<float>(i));
+  walls.push_back(8.191F);  // a wall as any other
+  EXPECT_EQ(LimitsFromReadings({&walls}).sick_codes, SickUnit::kNone);
 }
 
 TEST(CarmenScannerTest, AClippedLogRepeatsItsLargestValue) {

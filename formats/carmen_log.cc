@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "formats/carmen_clock.h"
 #include "formats/carmen_messages.h"
 #include "formats/carmen_scanner.h"
 #include "formats/errors.h"
 #include "formats/text_numbers.h"
-#include "survey/sensors/clock_repair.h"
 
 namespace formats {
 namespace {
@@ -44,41 +43,6 @@ std::string ChooseMessage(const std::string& file, const CarmenMessages& message
                           "; scan-topic chooses");
   }
   return chosen;
-}
-
-// Stamps in the order of the log across odometry and lasers, with the fault of old logging programs taken out.
-void RepairClock(std::vector<CarmenLaser>* lasers, std::vector<CarmenOdometry>* odometry,
-                 std::vector<StampNs>* laser_repairs, FieldData* data) {
-  laser_repairs->assign(lasers->size(), 0);
-  std::vector<StampNs> stamps;
-  std::vector<StampNs*> targets;       // where the stamp stands
-  std::vector<StampNs*> repair_notes;  // where the repair is kept; null for odometry
-  std::size_t next_odometry = 0;
-  const auto add_odometry_before = [&](int row) {
-    for (; next_odometry < odometry->size() && (*odometry)[next_odometry].row < row; ++next_odometry) {
-      targets.push_back(&(*odometry)[next_odometry].stamp_ns);
-      repair_notes.push_back(nullptr);
-    }
-  };
-  for (std::size_t i = 0; i < lasers->size(); ++i) {
-    add_odometry_before((*lasers)[i].row);
-    targets.push_back(&(*lasers)[i].stamp_ns);
-    repair_notes.push_back(&(*laser_repairs)[i]);
-  }
-  add_odometry_before(std::numeric_limits<int>::max());
-  for (const StampNs* target : targets) stamps.push_back(*target);
-
-  const std::vector<StampNs> repairs = survey::RepairUnpaddedMicroseconds(stamps);
-  std::size_t repaired = 0;
-  for (std::size_t i = 0; i < repairs.size(); ++i) {
-    *targets[i] += repairs[i];
-    if (repair_notes[i] != nullptr) *repair_notes[i] = repairs[i];
-    repaired += repairs[i] != 0 ? 1 : 0;
-  }
-  if (repaired > 0) {
-    data->notes.push_back("microseconds without their leading zeros in the log: " + std::to_string(repaired) + " of " +
-                          std::to_string(stamps.size()) + " stamps repaired; poses keep the printed stamps");
-  }
 }
 
 template <typename Message>
@@ -197,13 +161,10 @@ void AddOdometry(const std::vector<CarmenOdometry>& lines, const std::vector<Car
 }
 
 template <typename Sample>
-void SortAndTell(const std::string& what, std::vector<Sample>* samples, FieldData* data) {
-  const std::size_t back = CountGoingBack(*samples);
+void TellOfGoingBack(const std::string& what, const std::vector<Sample>& samples, FieldData* data) {
+  const std::size_t back = CountGoingBack(samples);
   if (back > 0)
     data->warnings.push_back(what + ": " + std::to_string(back) + " time stamps went back; sorted by stamp");
-  const std::size_t dropped = SortByStamp(samples);
-  if (dropped > 0)
-    data->notes.push_back(what + ": " + std::to_string(dropped) + " dropped with the stamp of the one before");
 }
 
 }  // namespace
@@ -217,15 +178,16 @@ FieldData ReadCarmenLog(const std::filesystem::path& file, const FieldDataOption
   const std::string name = ChooseMessage(file.string(), messages, options.scan_topic, &data);
   std::vector<CarmenLaser> none;
   std::vector<CarmenLaser>& lasers = name.empty() ? none : messages.lasers.at(name);
-  std::vector<StampNs> repairs;
-  RepairClock(&lasers, &messages.odometry, &repairs, &data);
+  const std::vector<StampNs> repairs = RepairClock(&lasers, &messages.odometry, &data);
   AddOdometry(messages.odometry, lasers, &data);
   if (!lasers.empty()) {
     AddMounting(messages, name, &data);
     AddScans(&lasers, repairs, options, &data);
   }
-  SortAndTell("scans", &data.scans, &data);
-  SortAndTell("odometry", &data.odometry, &data);
+  TellOfGoingBack("scans", data.scans, &data);
+  TellOfGoingBack("odometry", data.odometry, &data);
+  SortScans(file.string(), &data);
+  SortSamples("odometry", &data.odometry, &data);
   return data;
 }
 

@@ -63,14 +63,12 @@ class Words {
   }
 
   // ipc_timestamp ipc_hostname logger_timestamp, the last words of a line.
-  survey::StampNs Trailer() {
-    const std::string_view word = Next("ipc_timestamp");
-    const std::optional<survey::StampNs> stamp = ParseStamp(word);
-    if (!stamp) Refuse("ipc_timestamp", word, WhyNotANumber(word) + " (more ranges than the count says?)");
+  template <typename Message>
+  void Trailer(Message* message) {
+    message->stamp_ns = Stamp("ipc_timestamp", " (more ranges than the count says?)");
     Next("ipc_hostname");
-    Number("logger_timestamp");
+    message->logger_ns = Stamp("logger_timestamp", "");
     if (!empty()) throw DataError(name_ + ": more fields than the message has (wrong beam count?)");
-    return *stamp;
   }
 
  private:
@@ -92,6 +90,13 @@ class Words {
     return numbers;
   }
 
+  survey::StampNs Stamp(const char* field, const char* hint) {
+    const std::string_view word = Next(field);
+    const std::optional<survey::StampNs> stamp = ParseStamp(word);
+    if (!stamp) Refuse(field, word, WhyNotANumber(word) + hint);
+    return *stamp;
+  }
+
   [[noreturn]] void Refuse(const char* field, std::string_view word, const std::string& rule) const {
     throw DataError(name_ + ": " + field + " = \"" + std::string(word.substr(0, 40)) + "\": " + rule);
   }
@@ -103,14 +108,14 @@ class Words {
 void ParseOdometry(Words* words, CarmenOdometry* odometry) {
   odometry->odom_from_body = words->Pose("x y theta");
   for (const char* field : {"tv", "rv", "accel"}) words->Number(field);
-  odometry->stamp_ns = words->Trailer();
+  words->Trailer(odometry);
 }
 
 void ParseOldLaser(Words* words, CarmenLaser* laser) {
   laser->ranges_m = words->Numbers("num_readings", "ranges");
   laser->odom_from_lidar = words->Pose("x y theta");
   laser->odom_from_body = words->Pose("odom_x odom_y odom_theta");
-  laser->stamp_ns = words->Trailer();
+  words->Trailer(laser);
 }
 
 void ParseStatedGeometry(Words* words, CarmenLaser* laser) {
@@ -130,7 +135,7 @@ void ParseStatedGeometry(Words* words, CarmenLaser* laser) {
 
 void ParseRawLaser(Words* words, CarmenLaser* laser) {
   ParseStatedGeometry(words, laser);
-  laser->stamp_ns = words->Trailer();
+  words->Trailer(laser);
 }
 
 void ParseRobotLaser(Words* words, CarmenLaser* laser) {
@@ -139,7 +144,7 @@ void ParseRobotLaser(Words* words, CarmenLaser* laser) {
   laser->odom_from_body = words->Pose("robot_pose");
   for (const char* field : {"laser_tv", "laser_rv", "forward_safety_dist", "side_safety_dist", "turn_axis"})
     words->Number(field);
-  laser->stamp_ns = words->Trailer();
+  words->Trailer(laser);
 }
 
 using LaserParser = void (*)(Words*, CarmenLaser*);

@@ -17,7 +17,8 @@ namespace formats {
 // FLASER, RLASER: ranges and poses. RAWLASER: ranges and geometry. ROBOTLASER: all of them.
 struct CarmenLaser {
   int row = 0;
-  survey::StampNs stamp_ns = 0;  // ipc_timestamp
+  survey::StampNs stamp_ns = 0;   // ipc_timestamp
+  survey::StampNs logger_ns = 0;  // logger_timestamp, from the start of the logging program
   bool states_geometry = false;
   bool is_sick_lms = true;  // FLASER and RLASER do not say, but come from the time when it was the only one
   double start_angle_rad = 0.0;
@@ -30,7 +31,8 @@ struct CarmenLaser {
 
 struct CarmenOdometry {
   int row = 0;
-  survey::StampNs stamp_ns = 0;  // ipc_timestamp
+  survey::StampNs stamp_ns = 0;   // ipc_timestamp
+  survey::StampNs logger_ns = 0;  // logger_timestamp
   survey::Pose2 odom_from_body;
 };
 

@@ -42,6 +42,16 @@ void AppendSamples(const std::string& kind, std::vector<Sample> more, FieldData*
 
 }  // namespace
 
+void SortScans(const std::string& file, FieldData* data) {
+  constexpr std::size_t kFew = 20;
+  const std::size_t count = data->scans.size();
+  SortSamples("scans", &data->scans, data);
+  const std::size_t dropped = count - data->scans.size();
+  if (dropped <= kFew || dropped <= count / 20) return;
+  throw DataError(file + ": " + std::to_string(dropped) + " of " + std::to_string(count) +
+                  " scans have the time stamp of another: the clock of the log stands still or is too coarse");
+}
+
 FieldData ReadFieldData(const fs::path& file, const FieldDataOptions& options) {
   const std::string name = LowerCase(file.filename().string());
   const std::string extension = LowerCase(file.extension().string());

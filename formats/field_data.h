@@ -65,4 +65,15 @@ std::size_t SortByStamp(std::vector<Sample>* samples) {
   return dropped;
 }
 
+// Sorts by stamp, drops those whose stamp was there before, with a warning. DataError when more than a twentieth of the
+// scans (and more than a few) go: then the clock is at fault, and a map of what is left would be none of the drive.
+void SortScans(const std::string& file, FieldData* data);
+
+template <typename Sample>
+void SortSamples(const std::string& what, std::vector<Sample>* samples, FieldData* data) {
+  const std::size_t dropped = SortByStamp(samples);
+  if (dropped > 0)
+    data->warnings.push_back(what + ": " + std::to_string(dropped) + " dropped with the stamp of the one before");
+}
+
 }  // namespace formats

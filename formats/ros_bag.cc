@@ -168,14 +168,6 @@ Topic* ChooseTopic(const std::string& file, std::map<std::string, Topic>* topics
   return chosen;
 }
 
-template <typename Sample>
-std::vector<Sample> Sorted(const std::string& kind, std::vector<Sample> samples, FieldData* data) {
-  const std::size_t dropped = SortByStamp(&samples);
-  if (dropped > 0)
-    data->notes.push_back(kind + ": " + std::to_string(dropped) + " dropped with the stamp of the one before");
-  return samples;
-}
-
 }  // namespace
 
 FieldData ReadRosBag(const std::filesystem::path& file, const FieldDataOptions& options) {
@@ -189,16 +181,19 @@ FieldData ReadRosBag(const std::filesystem::path& file, const FieldDataOptions& 
   const std::string name = file.string();
   if (Topic* topic =
           ChooseTopic(name, &topics, "scan", options.scan_topic, [](const Topic& t) { return !t.scans.empty(); })) {
-    data.scans = Sorted("scans", std::move(topic->scans), &data);
+    data.scans = std::move(topic->scans);
+    SortScans(name, &data);
     data.geometries = std::move(topic->geometries);
   }
   if (Topic* topic =
           ChooseTopic(name, &topics, "imu", options.imu_topic, [](const Topic& t) { return !t.imu.empty(); })) {
-    data.imu = Sorted("IMU", std::move(topic->imu), &data);
+    data.imu = std::move(topic->imu);
+    SortSamples("IMU", &data.imu, &data);
   }
   if (Topic* topic = ChooseTopic(name, &topics, "odometry", options.odometry_topic,
                                  [](const Topic& t) { return !t.odometry.empty(); })) {
-    data.odometry = Sorted("odometry", std::move(topic->odometry), &data);
+    data.odometry = std::move(topic->odometry);
+    SortSamples("odometry", &data.odometry, &data);
   }
   return data;
 }

@@ -223,7 +223,7 @@ TEST_F(CarmenLogTest, StampsOutOfOrderAreSortedAndDuplicatesDropped) {
   EXPECT_EQ(data.scans[1].ranges_m[0], 1.0F);
   ASSERT_FALSE(data.warnings.empty());
   EXPECT_EQ(data.warnings[0], "scans: 1 time stamps went back; sorted by stamp");
-  EXPECT_EQ(data.notes[0], "scans: 1 dropped with the stamp of the one before");
+  EXPECT_EQ(data.warnings.at(1), "scans: 1 dropped with the stamp of the one before");
 }
 
 TEST_F(CarmenLogTest, AnUnpaddedClockIsRepairedAndPrintedStampsKept) {
@@ -250,6 +250,58 @@ TEST_F(CarmenLogTest, AnUnpaddedClockIsRepairedAndPrintedStampsKept) {
   }
   EXPECT_GT(repaired, 40);
   EXPECT_TRUE(data.warnings.empty());
+}
+
+// Laser lines 0.2 s apart with these stamps; `logger` counts on its own where it is given.
+std::string Stamped(const std::vector<double>& stamps, double logger_step) {
+  std::string log;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const std::string pose = std::to_string(i) + " 2 0.5";
+    std::string line = Flaser(std::to_string(stamps[i]), 180, std::to_string(1000 + i) + "e-3", pose + " " + pose);
+    line.replace(line.rfind("0.1"), 3, std::to_string(logger_step * static_cast<double>(i)));
+    log += line;
+  }
+  return log;
+}
+
+void ExpectEverySpan(const std::vector<survey::Scan>& scans, double seconds) {
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    EXPECT_NEAR(survey::Seconds(scans[i].stamp_ns - scans[i - 1].stamp_ns), seconds, 1e-6) << i;
+    EXPECT_FLOAT_EQ(scans[i].ranges_m[0], 1.0F + 0.001F * static_cast<float>(i));
+  }
+}
+
+TEST_F(CarmenLogTest, StampsOfWholeSecondsAreSpreadAndThoseOfBurstsToo) {
+  std::vector<double> whole_seconds;
+  std::vector<double> bursts;
+  for (int i = 0; i < 100; ++i) {
+    whole_seconds.push_back(976052857.0 + std::floor(0.2 * i + 1e-9));
+    bursts.push_back(100.0 + 0.2 * (i / 10 * 10 + 9) + 0.001 * (i % 10));
+  }
+  const FieldData whole = Read(Stamped(whole_seconds, 0.0));
+  ASSERT_EQ(whole.scans.size(), 100U);
+  ExpectEverySpan(whole.scans, 0.2);
+  EXPECT_EQ(whole.odometry.size(), 100U);
+  EXPECT_EQ(whole.scans[3].clock_repair_ns, 0);
+  ASSERT_EQ(whole.warnings.size(), 1U);
+  EXPECT_EQ(whole.warnings[0], "many laser lines have the stamp of the line before: spread evenly");
+
+  const FieldData burst = Read(Stamped(bursts, 0.2));
+  ExpectEverySpan(burst.scans, 0.2);
+  EXPECT_EQ(burst.scans[9].clock_repair_ns, 0);
+  EXPECT_NEAR(survey::Seconds(burst.scans[0].clock_repair_ns), -1.8 + 0.009, 1e-6);
+  EXPECT_NE(burst.warnings.at(0).find("in bursts"), std::string::npos);
+}
+
+TEST_F(CarmenLogTest, AClockThatStandsIsReplacedByTheLoggersOrRefused) {
+  const std::vector<double> standing(100, 976052857.0);
+  const FieldData data = Read(Stamped(standing, 0.2));
+  ExpectEverySpan(data.scans, 0.2);
+  EXPECT_EQ(data.scans[0].stamp_ns, 976052857'000'000'000);
+  EXPECT_NE(data.warnings.at(0).find("logger_timestamp is used"), std::string::npos);
+  EXPECT_EQ(
+      Error(Stamped(standing, 0.0)),
+      "f.log: 99 of 100 scans have the time stamp of another: the clock of the log stands still or is too coarse");
 }
 
 TEST_F(CarmenLogTest, ACutOffLastLineIsAWarning) {

@@ -121,7 +121,7 @@ TEST_F(RosBagTest, ReadsImuAndOdometry) {
   ASSERT_EQ(data.odometry.size(), 1U);
   EXPECT_EQ(data.odometry[0].odom_from_body.x, 1.0);
   EXPECT_NEAR(data.odometry[0].odom_from_body.theta, 0.8, 1e-12);
-  EXPECT_EQ(data.notes, std::vector<std::string>{"odometry: 1 dropped with the stamp of the one before"});
+  EXPECT_EQ(data.warnings, std::vector<std::string>{"odometry: 1 dropped with the stamp of the one before"});
 }
 
 TEST_F(RosBagTest, SeveralTopicsNeedAChoice) {

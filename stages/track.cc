@@ -2,6 +2,7 @@
 //
 // plumbline-track: the front end. Reads the session of a block, writes the pose of every scan in the block's local
 // frame.
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 
@@ -130,6 +131,13 @@ std::string Summary(const survey::Track& track) {
          " review requests" + navigated;
 }
 
+std::string ToldLead(double lead_s) {
+  char text[80];
+  std::snprintf(text, sizeof text, "the odometry %s the laser by %.2f s", lead_s > 0.0 ? "leads" : "lags",
+                std::abs(lead_s));
+  return text;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -168,6 +176,7 @@ int main(int argc, char** argv) {
     pipeline::Progress progress = run.Track("scans", static_cast<std::int64_t>(session.scans.size()));
     survey::Track track = survey::TrackBlock(
         session, options, [&](std::size_t done) { progress.Advance(static_cast<std::int64_t>(done)); });
+    if (track.odometry_lead_s != 0.0) run.Message(ToldLead(track.odometry_lead_s));
     if (engine == "particle-filter") {
       const survey::Answers answers =
           formats::ReadAnswers(answer_files, survey::ClockStamps(survey::StampsOfScans(session)));

@@ -121,6 +121,7 @@ struct Track {
   std::vector<SubmapConstraint> constraints;  // nodes in the submaps they were inserted into
   std::vector<ReviewRequest> requests;
   NavigationSummary navigation;
+  double odometry_lead_s = 0.0;  // found while tracking, negative where the odometry lags; told, not kept
 };
 
 // The requests that are breaks.

@@ -63,6 +63,7 @@ class Tracker {
     track_.marks = TrackMarks(session_, track_.scans);
     AddRequests(session_, inertial, &track_);
     track_.navigation = SummarizeNavigation(session_, inertial, track_);
+    track_.odometry_lead_s = predictor_.odometry_lead_s();
     return std::move(track_);
   }
 

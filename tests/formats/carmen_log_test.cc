@@ -104,11 +104,19 @@ TEST_F(CarmenLogTest, UsesTheIpcStampAndThePosesOfTheBody) {
   EXPECT_NEAR(data.body_from_lidar->theta, 0.0, 1e-9);
 }
 
-TEST_F(CarmenLogTest, OdomLinesComeBeforeEmbeddedPoses) {
+TEST_F(CarmenLogTest, OdomLinesStandInForEmbeddedPosesThatNeverChange) {
   const FieldData data = Read(Odom("4.9", 7) + Flaser("5.0", 180) + Odom("5.1", 8) + Flaser("5.2", 180));
   ASSERT_EQ(data.odometry.size(), 2U);
   EXPECT_EQ(data.odometry[1].odom_from_body.x, 8.0);
   EXPECT_EQ(data.odometry[1].stamp_ns, 5'100'000'000);
+}
+
+TEST_F(CarmenLogTest, EmbeddedPosesThatMoveComeBeforeOdomLines) {
+  const FieldData data =
+      Read(Odom("4.9", 7) + Flaser("5.0", 180) + Odom("5.1", 8) + Flaser("5.2", 180, "1", "3 2 0.5 3 2 0.5"));
+  ASSERT_EQ(data.odometry.size(), 2U);
+  EXPECT_EQ(data.odometry[1].odom_from_body.x, 3.0);
+  EXPECT_EQ(data.odometry[1].stamp_ns, 5'200'000'000);
 }
 
 TEST_F(CarmenLogTest, APoseThatNeverChangesIsNoOdometry) {

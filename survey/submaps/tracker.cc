@@ -17,6 +17,8 @@ namespace survey {
 namespace {
 
 constexpr double kWidestSearch_m = 2.0;  // behind a gap of the scans
+constexpr double kLostScoreRatio = 0.4;  // of the recent scores: below, any heading is tried
+constexpr double kBreakScoreRatio = 0.3;
 
 struct ActiveSubmap {
   SubmapId id;
@@ -52,7 +54,7 @@ class Tracker {
     tracked.scan = ScanId{static_cast<int>(index)};
     tracked.is_node = index == 0 || Moved(tracked.local_from_scan) || marked_[index];
     if (tracked.is_node) Insert(tracked);
-    if (tracked.matched) usual_score_ += 0.02 * (static_cast<double>(tracked.score) - usual_score_);
+    if (tracked.matched) WatchScore(tracked);
     predictor_.Update(scan.stamp_ns, tracked.local_from_scan, tracked.covariance, tracked.matched);
     track_.scans.push_back(tracked);
   }
@@ -85,6 +87,20 @@ class Tracker {
     return tracked;
   }
 
+  // A scan that hardly fits its map is drawn into it all the same: what follows keeps to it.
+  void WatchScore(const TrackedScan& tracked) {
+    const double share = static_cast<double>(tracked.score) / usual_score_;
+    if (share < kBreakScoreRatio) {
+      track_.requests.push_back({tracked.scan,
+                                 "break",
+                                 1.0 - share,
+                                 "the scan fits the map with " + std::to_string(std::lround(100.0 * share)) +
+                                     " % of what is usual: its pose may be wrong",
+                                 {}});
+    }
+    usual_score_ += 0.02 * (static_cast<double>(tracked.score) - usual_score_);
+  }
+
   bool Below(double share_of_usual, const MatchResult& match) const {
     return !match.usable || match.score < share_of_usual * usual_score_;
   }
@@ -102,7 +118,11 @@ class Tracker {
     const Window far = {std::clamp(likely.half_width_m, options_.search_half_width_m, kWidestSearch_m),
                         std::clamp(likely.half_angle_rad, 2.0 * options_.search_half_angle_rad, std::numbers::pi),
                         Start::kPredicted};
-    return Search(map, start, predicted.covariance, far, match);
+    match = Search(map, start, predicted.covariance, far, match);
+    if (!Below(kLostScoreRatio, match)) return match;
+    const Window any_heading = {far.half_width_m, std::numbers::pi, Start::kPredicted};
+    const MatchResult turned = Search(map, start, predicted.covariance, any_heading, match);
+    return Below(options_.poor_score_ratio, turned) ? match : turned;
   }
 
   struct Window {

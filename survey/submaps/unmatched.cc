@@ -131,6 +131,50 @@ ScanId ScanFrom(const Session& session, StampNs stamp_ns) {
   return {static_cast<int>(std::min(found - session.scans.begin(), std::ssize(session.scans) - 1))};
 }
 
+// From a stamp on for so many seconds the matches were as good as usual.
+bool MatchesAreGood(const Session& session, const Track& track, StampNs from_ns, double seconds) {
+  double usual = 0.0;
+  double here = 0.0;
+  int num_usual = 0;
+  int num_here = 0;
+  for (const TrackedScan& scan : track.scans) {
+    if (!scan.matched) continue;
+    const double t = Seconds(session.scans[IndexOf(scan.scan)].stamp_ns - from_ns);
+    usual += scan.score;
+    ++num_usual;
+    if (t < 0.0 || t > seconds) continue;
+    here += scan.score;
+    ++num_here;
+  }
+  return num_here > 0 && here / num_here > 0.9 * usual / num_usual;
+}
+
+// Once a match may be false; where good ones contradict again and again it is the IMU.
+bool ImuIsAtFault(const Session& session, const InertialSummary& inertial, const Track& track) {
+  constexpr int kOften = 3;
+  const auto good = std::count_if(inertial.doubts.begin(), inertial.doubts.end(), [&](const InertialDoubt& doubt) {
+    return doubt.cause == InertialDoubt::Cause::kContradicted &&
+           MatchesAreGood(session, track, doubt.stamp_ns, doubt.value);
+  });
+  return good >= kOften && 2 * good > std::ssize(inertial.doubts);
+}
+
+void AddDoubtsOfImu(const Session& session, const InertialSummary& inertial, Track* track) {
+  const bool at_fault = ImuIsAtFault(session, inertial, *track);
+  for (const InertialDoubt& doubt : inertial.doubts) {
+    std::string message;
+    if (doubt.cause == InertialDoubt::Cause::kTilted) {
+      message = Sentence("the platform was tilted by up to %.0f degrees: lifted or carried",
+                         doubt.value * 180.0 / std::numbers::pi);
+    } else {
+      message = Sentence("the scan matches contradict the IMU for %.1f s: ", doubt.value) +
+                (at_fault ? "good matches do so again and again, an axis of the IMU is stuck, clipped or exchanged"
+                          : "a false match, or the platform was lifted");
+    }
+    track->requests.push_back({ScanFrom(session, doubt.stamp_ns), "break", doubt.value, message, {}});
+  }
+}
+
 }  // namespace
 
 void BridgeUnmatched(const Session& session, const std::vector<SmoothedCorrection>& corrections, Track* track) {
@@ -157,15 +201,7 @@ void AddRequests(const Session& session, const InertialSummary& inertial, Track*
   for (std::size_t i = 1; i < track->scans.size(); ++i) {
     if (SecondsBefore(session, i) > kLongestScanGap_s) AddGap(session, i, track);
   }
-  for (const InertialDoubt& doubt : inertial.doubts) {
-    const std::string message =
-        doubt.cause == InertialDoubt::Cause::kTilted
-            ? Sentence("the platform was tilted by up to %.0f degrees: lifted or carried",
-                       doubt.value * 180.0 / std::numbers::pi)
-            : Sentence("the scan matches contradict the IMU for %.1f s: a false match, or the platform was lifted",
-                       doubt.value);
-    track->requests.push_back({ScanFrom(session, doubt.stamp_ns), "break", doubt.value, message, {}});
-  }
+  AddDoubtsOfImu(session, inertial, track);
   std::stable_sort(track->requests.begin(), track->requests.end(),
                    [](const ReviewRequest& a, const ReviewRequest& b) { return a.scan < b.scan; });
 }

@@ -202,5 +202,18 @@ TEST(InertialTrackTest, APlatformThatIsPutElsewhereIsABreak) {
   EXPECT_GE(Breaks(TrackBlock(session, {})), 1);
 }
 
+TEST(InertialTrackTest, AnImuWhoseAxesAreExchangedIsNamed) {
+  Session session = Without(true, true);
+  for (ImuSample& sample : session.imu) {
+    for (Eigen::Vector3d* v : {&sample.angular_rate_in_body, &sample.specific_force_in_body})
+      *v = Eigen::Vector3d(v->y(), -v->x(), v->z());
+  }
+  const Track track = TrackBlock(session, {});
+  EXPECT_LT(Rms(track), 0.05);
+  ASSERT_GE(Breaks(track), 1);
+  EXPECT_NE(BreaksOf(track)[0].message.find("an axis of the IMU is stuck"), std::string::npos)
+      << BreaksOf(track)[0].message;
+}
+
 }  // namespace
 }  // namespace survey

@@ -21,40 +21,42 @@ struct Drive {
   std::vector<Eigen::Vector2d> truth;  // of the lidar, by scan
 };
 
+Drive MakeDrive(Scenario scenario) {
+  scenario.lidar.num_beams = 361;
+  scenario.lidar.time_increment_s *= 3;
+  scenario.lidar.rate_hz = 20;
+  const BlockRoute& block = scenario.blocks.front();
+  const RayCaster building(BuildFloorPlan(scenario));
+  const RoutePlan plan = PlanRoute(scenario, block, building);
+  const SimulatedLidar lidar(scenario, block, building, *plan.trajectory);
+  Drive made;
+  made.session.geometries = {GeometryOf(scenario.lidar)};
+  for (std::int64_t k = 0; k < lidar.num_scans(); ++k) {
+    const StampNs stamp = lidar.StampOf(k);
+    made.session.scans.push_back({.stamp_ns = stamp, .ranges_m = lidar.Ranges(k)});
+    made.truth.push_back(plan.trajectory->PlanarPlanFromLidar(Seconds(stamp)).Translation());
+  }
+  made.session.imu = SimulateImu(scenario, block, *plan.trajectory);
+  made.session.odometry = SimulateOdometry(scenario, block, *plan.trajectory);
+  return made;
+}
+
 const Drive& RoomDrive() {
-  static const Drive drive = [] {
-    Scenario scenario = test_support::RoomScenario();
-    scenario.lidar.num_beams = 361;
-    scenario.lidar.time_increment_s *= 3;
-    scenario.lidar.rate_hz = 20;
-    const BlockRoute& block = scenario.blocks.front();
-    const RayCaster building(BuildFloorPlan(scenario));
-    const RoutePlan plan = PlanRoute(scenario, block, building);
-    const SimulatedLidar lidar(scenario, block, building, *plan.trajectory);
-    Drive made;
-    made.session.geometries = {GeometryOf(scenario.lidar)};
-    for (std::int64_t k = 0; k < lidar.num_scans(); ++k) {
-      const StampNs stamp = lidar.StampOf(k);
-      made.session.scans.push_back({.stamp_ns = stamp, .ranges_m = lidar.Ranges(k)});
-      made.truth.push_back(plan.trajectory->PlanarPlanFromLidar(Seconds(stamp)).Translation());
-    }
-    made.session.imu = SimulateImu(scenario, block, *plan.trajectory);
-    made.session.odometry = SimulateOdometry(scenario, block, *plan.trajectory);
-    return made;
-  }();
+  static const Drive drive = MakeDrive(test_support::RoomScenario());
   return drive;
 }
 
-double Rms(const Track& track) {
+double Rms(const Track& track, const Drive& drive) {
   std::vector<Eigen::Vector2d> places;
   for (const TrackedScan& scan : track.scans) places.push_back(scan.local_from_scan.Translation());
-  return FitRigid(places, RoomDrive().truth)->rms_m;
+  return FitRigid(places, drive.truth)->rms_m;
 }
+
+double Rms(const Track& track) { return Rms(track, RoomDrive()); }
 
 int Breaks(const Track& track) { return static_cast<int>(BreaksOf(track).size()); }
 
-Session Without(bool imu, bool odometry) {
-  Session session = RoomDrive().session;
+Session Without(bool imu, bool odometry, Session session = RoomDrive().session) {
   if (!imu) session.imu.clear();
   if (!odometry) session.odometry.clear();
   return session;
@@ -200,6 +202,24 @@ TEST(InertialTrackTest, APlatformThatIsPutElsewhereIsABreak) {
   for (Scan& scan : session.scans) scan.stamp_ns -= scan.stamp_ns >= cut ? skipped : 0;
   for (ImuSample& sample : session.imu) sample.stamp_ns -= sample.stamp_ns >= cut ? skipped : 0;
   EXPECT_GE(Breaks(TrackBlock(session, {})), 1);
+}
+
+TEST(InertialTrackTest, FastTurnsInPlaceAreFollowedByEverySetOfMotionSensors) {
+  Scenario scenario = test_support::RoomScenario();
+  scenario.cart.turn_rate_rad_s = 3.9;
+  scenario.cart.turn_acceleration_rad_s2 = 12.0;
+  scenario.blocks.front().waypoints = {{{12.0, 4.0}, "A"}, {{12.0, 7.0}, "B"}, {{12.0, 4.0}, "A"}, {{12.0, 7.0}, "B"}};
+  const Drive turns = MakeDrive(scenario);
+  double fastest = 0.0;
+  for (const ImuSample& sample : turns.session.imu) fastest = std::max(fastest, sample.angular_rate_in_body.norm());
+  EXPECT_GT(fastest, 3.5);
+  for (const bool imu : {false, true}) {
+    for (const bool odometry : {false, true}) {
+      const Track track = TrackBlock(Without(imu, odometry, turns.session), {});
+      EXPECT_LT(Rms(track, turns), 0.02) << imu << odometry;
+      EXPECT_EQ(Breaks(track), 0) << imu << odometry;
+    }
+  }
 }
 
 TEST(InertialTrackTest, AnImuWhoseAxesAreExchangedIsNamed) {

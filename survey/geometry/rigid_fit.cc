@@ -90,4 +90,13 @@ std::optional<RigidFit> FitRigidRobust(std::span<const Eigen::Vector2d> source,
   return FitRigid(source, target, weights);
 }
 
+bool FitsOnlyMirrored(std::span<const Eigen::Vector2d> source, std::span<const Eigen::Vector2d> target) {
+  if (source.size() < 3) return false;
+  std::vector<Eigen::Vector2d> mirrored;
+  for (const Eigen::Vector2d& p : source) mirrored.emplace_back(p.x(), -p.y());
+  const auto as_it_is = FitRigid(source, target);
+  const auto as_image = FitRigid(mirrored, target);
+  return as_it_is && as_image && as_image->rms_m < 0.1 * as_it_is->rms_m;
+}
+
 }  // namespace survey

@@ -29,4 +29,8 @@ std::optional<RigidFit> FitRigid(std::span<const Eigen::Vector2d> source, std::s
 std::optional<RigidFit> FitRigidRobust(std::span<const Eigen::Vector2d> source,
                                        std::span<const Eigen::Vector2d> target);
 
+// Three pairs or more whose mirror image leaves less than a tenth of what they leave as they are (rms): a lidar upside
+// down, or two axes exchanged.
+bool FitsOnlyMirrored(std::span<const Eigen::Vector2d> source, std::span<const Eigen::Vector2d> target);
+
 }  // namespace survey

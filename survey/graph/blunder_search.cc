@@ -28,6 +28,7 @@ class Search {
   BlunderSearch Run() {
     while (!result_.contradicted && LeaveWorstOut()) {
     }
+    if (!result_.contradicted && TwoThatDisagree()) GiveUp();
     if (!result_.contradicted) TakeBack();
     return std::move(result_);
   }
@@ -108,6 +109,13 @@ class Search {
     const std::size_t left = PointsAmong(result_.kept);
     if (left < 2 || 2 * left < num_points_) GiveUp();
     return true;
+  }
+
+  // By the global test, for no mark of two points can be tested by itself.
+  bool TwoThatDisagree() const {
+    if (PointsAmong(result_.kept) != 2) return false;
+    const ControlTests tests(misfit_, result_.kept);
+    return tests.usable() && tests.chi_square() > CriticalT(TestLevel{}.significance, tests.degrees_of_freedom());
   }
 
   void GiveUp() {

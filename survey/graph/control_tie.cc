@@ -37,7 +37,7 @@ class Tie {
     result_.message = all.problem;
     if (!all.problem.empty()) return std::move(result_);
     if (!of_network.told) WidenNetwork(all.given);
-    if (!Iterate(all.given)) return std::move(result_);
+    if (!Iterate(all.given) || Mirrored()) return std::move(result_);
     if (!of_network.told && !RefineNetwork(all.given, of_network.conditions)) return std::move(result_);
     Report();
     block_.graph = std::move(constrained_);
@@ -115,6 +115,22 @@ class Tie {
       left_out = now;
       if (!SolveConstrained()) return false;
     }
+    return true;
+  }
+
+  // What was left out fits the mirror image of the block, as everything else does.
+  bool Mirrored() {
+    if (search_.excluded.empty() && !search_.contradicted) return false;
+    std::vector<Eigen::Vector2d> source, target;
+    for (std::size_t i = 0; i < result_.marks.size(); ++i) {
+      if (!result_.marks[i].on_control) continue;
+      source.push_back(free_places_[i]);
+      target.push_back(result_.marks[i].given);
+    }
+    if (!FitsOnlyMirrored(source, target)) return false;
+    result_.message =
+        "the control points fit the block only as its mirror image: the lidar was upside down (give the beams' "
+        "angle_increment the other sign), or northing and easting of the control are exchanged";
     return true;
   }
 
@@ -211,8 +227,8 @@ class Tie {
     verdict.scale_sigma = scale.sigma;
     if (search_.contradicted) {
       result_.findings.push_back(
-          "control and map contradict each other: more than half of the control points would have to be left out, so "
-          "none was; check names, coordinates and the track");
+          "control and map contradict each other, and too few points would be left to tell which of them are wrong: "
+          "none was left out; check names, coordinates and the track");
     } else if (verdict.chi_square > verdict.chi_square_upper) {
       result_.findings.push_back("control fits the map worse than both sigmas allow (global test at 95 %)");
     }

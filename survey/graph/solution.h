@@ -71,7 +71,7 @@ struct ControlVerdict {
   double chi_square_upper = 0.0;
   double critical_t = 0.0;    // of one mark, at 0.001
   double rejection_t = 0.0;   // beyond it a mark is left out: 0.5 % for a whole block without blunders
-  bool contradicted = false;  // more than half of the points would have to go: none was left out
+  bool contradicted = false;  // nothing tells which points are wrong: none was left out
 };
 
 // Variance component of a kind of observations [Foerstner79]: squared, weighted residuals by redundancy; 1 where the

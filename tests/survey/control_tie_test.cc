@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "survey/graph/blunder_causes.h"
@@ -188,6 +189,35 @@ TEST(ControlTie, ManyBlundersGiveAVerdictAndNothingIsLeftOut) {
   for (const TiedMark& mark : tie.marks) EXPECT_TRUE(mark.used);
   ASSERT_FALSE(tie.findings.empty());
   EXPECT_NE(tie.findings.front().find("contradict"), std::string::npos);
+}
+
+// All points but these become ties: positions only.
+void LeaveOnControl(std::initializer_list<std::size_t> marks, GarageBlock* garage) {
+  for (std::size_t mark = 0; mark < garage->num_marks(); ++mark) {
+    if (std::find(marks.begin(), marks.end(), mark) == marks.end()) garage->PointOfMark(mark).role = PointRole::kTie;
+  }
+}
+
+// One condition, the distance: no mark can be tested, the map can.
+TEST(ControlTie, TwoPointsAtAnotherDistanceAreAContradiction) {
+  GarageBlock garage = SimulateGarageBlock(6);
+  LeaveOnControl({1, 5}, &garage);
+  EXPECT_FALSE(AdjustGarageBlock(&garage).verdict.contradicted);
+  garage.PointOfMark(5).position_in_site += Eigen::Vector2d(3.0, 3.0);
+  const ControlTie tie = AdjustGarageBlock(&garage);
+  ASSERT_TRUE(tie.usable) << tie.message;
+  EXPECT_TRUE(tie.verdict.contradicted);
+  EXPECT_GT(tie.verdict.chi_square, 100.0);
+}
+
+// A lidar upside down: of three marks one would be left out, and the two others would fit.
+TEST(ControlTie, AMirroredBlockIsRefused) {
+  GarageBlock garage = SimulateGarageBlock(6);
+  LeaveOnControl({0, 4, 8}, &garage);
+  for (ControlPoint& point : garage.control.points) point.position_in_site.x() = 1e6 - point.position_in_site.x();
+  const ControlTie tie = AdjustGarageBlock(&garage);
+  EXPECT_FALSE(tie.usable);
+  EXPECT_NE(tie.message.find("mirror image"), std::string::npos) << tie.message;
 }
 
 TEST(ControlTie, AScaleIsFoundAndNotApplied) {

@@ -61,6 +61,19 @@ TEST(FitRigid, RefusesWhatDoesNotFixTheRotation) {
   EXPECT_FALSE(FitRigid(same, same));
 }
 
+TEST(FitRigid, AMirrorImageIsTold) {
+  const std::vector<Eigen::Vector2d> source = {{0, 0}, {10, 1}, {3, -7}};
+  std::vector<Eigen::Vector2d> target;
+  for (const Eigen::Vector2d& p : source) target.push_back(Pose2{500.0, 600.0, 0.7} * p);
+  EXPECT_FALSE(FitsOnlyMirrored(source, target));
+  target[1].x() += 6.0;  // a blunder is no mirror
+  EXPECT_FALSE(FitsOnlyMirrored(source, target));
+  target.clear();
+  for (const Eigen::Vector2d& p : source) target.push_back(Pose2{500.0, 600.0, 0.7} * Eigen::Vector2d(-p.x(), p.y()));
+  EXPECT_TRUE(FitsOnlyMirrored(source, target));
+  EXPECT_FALSE(FitsOnlyMirrored(std::span(source).first(2), std::span(target).first(2)));
+}
+
 TEST(FitRigid, TheRobustFitIgnoresAlmostHalfOfThePairs) {
   const Pose2 truth{500123.0, 5600456.0, 2.1};
   std::vector<Eigen::Vector2d> source, target;

@@ -50,10 +50,11 @@ void ScanProjector::Project(int geometry, std::span<const float> ranges_m, const
     if (!(reach > 0.0F)) continue;
     Eigen::Vector2f p = reach * directions.unit[i];
     if (tilted) p = level * p;
-    if (skewed) {  // the beam left t after the stamp, from a lidar that had moved by the twist (small angles)
+    if (skewed) {  // the beam left t after the stamp, from a lidar that had moved by the twist (second order)
       const float t = dt * static_cast<float>(i);
       const float angle = omega * t;
-      p = Eigen::Vector2f(p.x() - angle * p.y() + vx * t, p.y() + angle * p.x() + vy * t);
+      const float cosine = 1.0F - 0.5F * angle * angle;
+      p = Eigen::Vector2f(cosine * p.x() - angle * p.y() + vx * t, cosine * p.y() + angle * p.x() + vy * t);
     }
     (hit ? points->hits : points->free_ends).push_back(p);
   }

@@ -152,13 +152,22 @@ TEST_F(RerunTest, BlockAddedAndRemoved) {
   EXPECT_EQ(site_.StagesOfRun(), (Stages{"certify", "network", "report", "requests", "stitch"}));
 }
 
-TEST_F(RerunTest, MarkRemoved) {
+TEST_F(RerunTest, MarkRemovedAddedAndMoved) {
+  const auto before = site_.Results();
+  const Stages expected = {"B adjust", "B edit",  "B grid", "B ingest", "B loops", "B track",
+                           "certify",  "network", "report", "requests", "stitch"};
   const fs::path marks = site_ / "blocks/B/marks.csv";
   const std::string text = formats::ReadWholeFile(marks);
   const std::size_t last_row = text.rfind('\n', text.size() - 2) + 1;
   formats::WriteFileAtomically(marks, text.substr(0, last_row));
-  EXPECT_EQ(site_.StagesOfRun(), (Stages{"B adjust", "B edit", "B grid", "B ingest", "B loops", "B track", "certify",
-                                         "network", "report", "requests", "stitch"}));
+  EXPECT_EQ(site_.StagesOfRun(), expected);
+  formats::WriteFileAtomically(marks, text);
+  EXPECT_EQ(site_.StagesOfRun(), expected);
+  EXPECT_EQ(Differences(site_.Results(), before), std::vector<std::string>{});
+  // The same point, marked a little later.
+  ReplaceInFile(marks, "4,2036.777,2037.177", "4,2036.877,2037.277");
+  EXPECT_EQ(site_.StagesOfRun(), expected);
+  EXPECT_NE(site_.Results().at("work/B/solution.sqlite"), before.at("work/B/solution.sqlite"));
 }
 
 // Undone by a line that retires it: the maps are then as they were, and only what the edits reach runs.

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstring>
 #include <limits>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -21,16 +20,20 @@ std::span<const std::byte> BytesOf(const std::vector<float>& values) {
   return std::as_bytes(std::span<const float>(values));
 }
 
-// Adds the statement's current row to the digest. False when a blob does not agree with the CRC-32 beside it.
-bool DigestRow(const Statement& row, TableDigest& digest) {
+// Adds the statement's current row to the digest and keeps its types and numbers. False when a blob does not agree with
+// the CRC-32 beside it.
+bool DigestRow(const Statement& row, TableDigest& digest, std::vector<ColumnValue>& values) {
   bool blobs_whole = true;
+  values.resize(static_cast<std::size_t>(row.num_columns()));
   for (int column = 0; column < row.num_columns(); ++column) {
-    switch (row.Type(column)) {
+    ColumnValue& value = values[static_cast<std::size_t>(column)];
+    value.type = row.Type(column);
+    switch (value.type) {
       case ColumnType::kInteger:
-        digest.AddInteger(row.Integer(column));
+        digest.AddInteger(value.integer = row.Integer(column));
         break;
       case ColumnType::kReal:
-        digest.AddReal(row.Real(column));
+        digest.AddReal(value.real = row.Real(column));
         break;
       case ColumnType::kText:
         digest.AddText(row.Text(column));
@@ -80,17 +83,10 @@ std::vector<std::string> TablesOf(Database& database) {
 std::string FullSchema(ArtefactKind kind) { return std::string(kCommonSchema) + std::string(FormatOf(kind).schema); }
 
 // As SQLite itself lists it.
-const std::vector<std::string>& ExpectedSchema(ArtefactKind kind) {
-  static const auto schemas = [] {
-    std::map<ArtefactKind, std::vector<std::string>> by_kind;
-    for (const ArtefactFormat& format : AllFormats()) {
-      Database database = Database::InMemory();
-      database.Execute(FullSchema(format.kind));
-      by_kind.emplace(format.kind, SchemaOf(database));
-    }
-    return by_kind;
-  }();
-  return schemas.at(kind);
+std::vector<std::string> ExpectedSchema(ArtefactKind kind) {
+  Database database = Database::InMemory();
+  database.Execute(FullSchema(kind));
+  return SchemaOf(database);
 }
 
 // SQLite reads a file that ends within a page as if zeros followed.
@@ -232,7 +228,7 @@ TableReader::TableReader(Database& database, const std::string& table)
 bool TableReader::Next() {
   column_ = 0;
   if (!select_.Step()) return false;
-  Require(DigestRow(select_, digest_), "the bytes do not agree with their CRC-32");
+  Require(DigestRow(select_, digest_, row_), "the bytes do not agree with their CRC-32");
   return true;
 }
 
@@ -245,18 +241,21 @@ void TableReader::Fail(std::string_view rule) const {
 
 int TableReader::NextColumn(ColumnType expected) {
   const int column = column_++;
-  Require(column < select_.num_columns() && select_.Type(column) == expected, "a value of another type");
+  Require(column < std::ssize(row_) && row_[static_cast<std::size_t>(column)].type == expected,
+          "a value of another type");
   return column;
 }
 
-std::int64_t TableReader::GetInteger() { return select_.Integer(NextColumn(ColumnType::kInteger)); }
+std::int64_t TableReader::GetInteger() {
+  return row_[static_cast<std::size_t>(NextColumn(ColumnType::kInteger))].integer;
+}
 
 double TableReader::GetReal() {
-  if (column_ < select_.num_columns() && select_.Type(column_) == ColumnType::kNull) {
+  if (column_ < std::ssize(row_) && row_[static_cast<std::size_t>(column_)].type == ColumnType::kNull) {
     ++column_;
     return std::numeric_limits<double>::quiet_NaN();
   }
-  return select_.Real(NextColumn(ColumnType::kReal));
+  return row_[static_cast<std::size_t>(NextColumn(ColumnType::kReal))].real;
 }
 
 void TableReader::Get(std::optional<double>& value) {
@@ -387,9 +386,10 @@ std::vector<std::string> ExamineArtefact(const std::filesystem::path& file) {
       if (table == "end_marker") continue;
       attempt([&] {
         TableDigest digest;
+        std::vector<ColumnValue> row;
         Statement select = SelectAll(database, table);
         while (select.Step()) {
-          if (!DigestRow(select, digest))
+          if (!DigestRow(select, digest, row))
             problems.push_back(file.string() + ": damaged: table " + table + ", row " +
                                std::to_string(digest.num_rows() - 1) + ": the bytes do not agree with their CRC-32");
         }

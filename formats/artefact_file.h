@@ -68,6 +68,13 @@ class TableDigest {
   std::uint32_t crc32_ = 0;
 };
 
+// A column of a row that was read. SQLite takes its time over each question, so each is asked once.
+struct ColumnValue {
+  ColumnType type = ColumnType::kNull;
+  std::int64_t integer = 0;
+  double real = 0.0;
+};
+
 class TableWriter {
  public:
   // Writes one row. The number of values must be that of the table's columns.
@@ -192,6 +199,7 @@ class TableReader {
   std::string table_;
   Statement select_;
   TableDigest digest_;
+  std::vector<ColumnValue> row_;
   int column_ = 0;
 };
 

@@ -24,7 +24,8 @@ survey::Session ReadSession(const std::filesystem::path& file);
 
 void WriteTrack(const std::filesystem::path& file, const survey::Track& track,
                 const std::vector<survey::ScanStamp>& scan_stamps, const Provenance& provenance);
-survey::Track ReadTrack(const std::filesystem::path& file);
+// `scan_stamps`: gets the stamps stored beside the scans.
+survey::Track ReadTrack(const std::filesystem::path& file, std::vector<survey::ScanStamp>* scan_stamps = nullptr);
 
 void WriteLoops(const std::filesystem::path& file, const survey::Loops& loops, const Provenance& provenance);
 survey::Loops ReadLoops(const std::filesystem::path& file);

@@ -24,13 +24,16 @@ void WriteScans(ArtefactWriter& writer, const std::vector<Scan>& scans, const st
   });
 }
 
+// `stamps`: gets theirs; null: they are not wanted.
 template <typename Scan, typename RowFunction>
-std::vector<Scan> ReadScans(ArtefactReader& reader, RowFunction row_function) {
+std::vector<Scan> ReadScans(ArtefactReader& reader, RowFunction row_function,
+                            std::vector<survey::ScanStamp>* stamps = nullptr) {
   std::vector<Scan> scans;
   reader.Table("scans", [&](TableReader& row) {
     survey::ScanStamp stamp;
     row_function(row, stamp, scans.emplace_back());
     row.Require(scans.back().scan.value == row.row(), "scans must count from 0");
+    if (stamps != nullptr) stamps->push_back(stamp);
   });
   return scans;
 }

@@ -93,10 +93,11 @@ void WriteTrack(const std::filesystem::path& file, const survey::Track& track,
   writer.Commit();
 }
 
-survey::Track ReadTrack(const std::filesystem::path& file) {
+survey::Track ReadTrack(const std::filesystem::path& file, std::vector<survey::ScanStamp>* scan_stamps) {
+  if (scan_stamps != nullptr) scan_stamps->clear();
   ArtefactReader reader(file, ArtefactKind::kTrack);
   survey::Track track;
-  track.scans = ReadScans<survey::TrackedScan>(reader, kScanRow);
+  track.scans = ReadScans<survey::TrackedScan>(reader, kScanRow, scan_stamps);
   track.submaps = ReadSubmaps(reader);
   track.constraints = ReadRows<survey::SubmapConstraint>(reader, "constraints", kConstraintRow);
   track.marks = ReadRows<survey::TrackedMark>(reader, "marks", kMarkRow);

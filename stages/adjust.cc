@@ -91,11 +91,11 @@ int main(int argc, char** argv) {
   stage.Option("covariance-spacing-m", &options.covariance_spacing_m,
                "path between poses whose covariance is written (m)", {.min = 0.1});
   return stage.Run(argc, argv, [&](pipeline::StageRun& run) {
-    survey::Track track = formats::ReadTrack(track_file);
+    std::vector<survey::ScanStamp> stamps;
+    survey::Track track = formats::ReadTrack(track_file, &stamps);
     const survey::Loops loops = formats::ReadLoops(loops_file);
     survey::ControlNetwork control =
         control_file.empty() ? survey::ControlNetwork{} : formats::ReadControl(control_file);
-    const std::vector<survey::ScanStamp> stamps = formats::ReadScanStamps(track_file);
     const survey::Answers answers = formats::ReadAnswers(answer_files, survey::ClockStamps(stamps));
     if (!answers.empty()) run.AddInput({"answers", formats::Sha256(formats::CanonicalText(answers))});
     std::vector<survey::MapArrow> arrows;

@@ -90,8 +90,10 @@ TEST(Artefacts, TrackSurvives) {
   const survey::Track written = random.Track(300);
   const auto stamps = random.ScanStamps(300);
   WriteTrack(folder / "track.sqlite", written, stamps, random.Provenance(1));
-  const survey::Track read = ReadTrack(folder / "track.sqlite");
+  std::vector<survey::ScanStamp> read_stamps;
+  const survey::Track read = ReadTrack(folder / "track.sqlite", &read_stamps);
 
+  EXPECT_EQ(read_stamps, stamps);
   EXPECT_EQ(ReadScanStamps(folder / "track.sqlite"), stamps);
   ASSERT_EQ(read.scans.size(), written.scans.size());
   for (std::size_t i = 0; i < read.scans.size(); ++i) {

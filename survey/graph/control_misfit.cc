@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/graph/control_misfit.h"
 
-#include <Eigen/SparseCholesky>
-
 #include "survey/graph/normal_equations.h"
+#include "survey/graph/selected_inverse.h"
 
 namespace survey {
 namespace {
@@ -110,7 +109,7 @@ std::optional<ControlMisfit> MisfitOfControl(const PoseGraph& graph, const std::
   FillControl(graph, given, places, &misfit);
 
   const NormalEquations equations = FormNormalEquations(FreeNetwork(graph, places));
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(equations.lower);
+  const OrderedFactor factor(equations.lower);
   if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0.0)) return std::nullopt;
   Eigen::MatrixXd by_pose = Eigen::MatrixXd::Zero(equations.right.size(), 2 * misfit.size());  // J'
   for (Index i = 0; i < misfit.size(); ++i) {

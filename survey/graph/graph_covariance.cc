@@ -18,7 +18,7 @@ RelativePoseResidual Residual(const PoseGraph& graph, const PoseEdge& edge) {
 
 std::optional<GraphCovariance> GraphCovariance::Of(const PoseGraph& graph) {
   NormalEquations equations = FormNormalEquations(graph);
-  const SparseFactor factor(equations.lower);
+  const OrderedFactor factor(equations.lower);
   std::optional<SelectedInverse> inverse = SelectedInverse::Of(equations.lower, factor);
   if (!inverse) return std::nullopt;
   return GraphCovariance(graph, std::move(equations.columns), *std::move(inverse), factor.solve(equations.right));

@@ -2,6 +2,7 @@
 #include "survey/graph/normal_equations.h"
 
 #include <Eigen/LU>
+#include <Eigen/OrderingMethods>
 
 #include "survey/graph/graph_residuals.h"
 
@@ -55,25 +56,53 @@ class Sum {
   Eigen::VectorXd right_;
 };
 
-// Gives the unknowns their columns; returns how many there are.
-int NumberColumns(const PoseGraph& graph, NormalEquations* equations) {
-  int columns = 0;
-  equations->columns.of_pose.assign(graph.poses.size(), -1);
-  for (std::size_t i = 0; i < graph.poses.size(); ++i) {
-    if (graph.fixed_pose && IndexOf(*graph.fixed_pose) == i) continue;
-    equations->columns.of_pose[i] = columns;
-    columns += 3;
+// Poses, then points, in an order in which their elimination fills little: approximate minimum degree.
+std::vector<int> OrderOfElimination(const PoseGraph& graph) {
+  const auto num_poses = static_cast<int>(graph.poses.size());
+  const int size = num_poses + static_cast<int>(graph.points.size());
+  std::vector<Eigen::Triplet<double>> joined;
+  joined.reserve(static_cast<std::size_t>(size) + graph.edges.size() + graph.marks.size());
+  for (int i = 0; i < size; ++i) joined.emplace_back(i, i, 1.0);
+  for (const PoseEdge& edge : graph.edges) joined.emplace_back(edge.base, edge.target, 1.0);
+  for (const WallEdge& walls : graph.walls) joined.emplace_back(walls.base, walls.target, 1.0);
+  for (const MarkEdge& mark : graph.marks) joined.emplace_back(mark.pose, num_poses + mark.point, 1.0);
+  for (const GivenCoordinates& given : graph.given) {
+    for (const int a : given.points) {
+      for (const int b : given.points) joined.emplace_back(num_poses + a, num_poses + b, 1.0);
+    }
   }
+  Eigen::SparseMatrix<double> pattern(size, size);
+  pattern.setFromTriplets(joined.begin(), joined.end());
+  Eigen::AMDOrdering<int>::PermutationType order;
+  Eigen::AMDOrdering<int>()(pattern, order);
+  return {order.indices().begin(), order.indices().end()};
+}
+
+std::vector<bool> ObservedPoints(const PoseGraph& graph) {
   std::vector<bool> observed(graph.points.size(), false);
   for (const MarkEdge& mark : graph.marks) observed[IndexOf(mark.point)] = true;
   for (const GivenCoordinates& given : graph.given) {
     for (const int point : given.points) observed[IndexOf(point)] = true;
   }
+  return observed;
+}
+
+// Gives the unknowns their columns; returns how many there are.
+int NumberColumns(const PoseGraph& graph, NormalEquations* equations) {
+  int columns = 0;
+  equations->columns.of_pose.assign(graph.poses.size(), -1);
   equations->columns.of_point.assign(graph.points.size(), -1);
-  for (std::size_t i = 0; i < graph.points.size(); ++i) {
-    if (!observed[i]) continue;
-    equations->columns.of_point[i] = columns;
-    columns += 2;
+  const std::vector<bool> observed = ObservedPoints(graph);
+  for (const int unknown : OrderOfElimination(graph)) {
+    const std::size_t i = IndexOf(unknown);
+    if (i < graph.poses.size()) {
+      if (graph.fixed_pose == unknown) continue;
+      equations->columns.of_pose[i] = columns;
+      columns += 3;
+    } else if (observed[i - graph.poses.size()]) {
+      equations->columns.of_point[i - graph.poses.size()] = columns;
+      columns += 2;
+    }
   }
   return columns;
 }

@@ -2,7 +2,7 @@
 //
 // The normal equations of a pose graph, linearised at its poses and points: N dx = b, with N = J' P J and b = -J' P e
 // over all observations with their weights as they are (no robust loss). Columns: three for a pose (x, y in m, theta in
-// rad), two for a point (m).
+// rad), two for a point (m), in an order in which a factorisation fills little.
 #pragma once
 
 #include <Eigen/Core>

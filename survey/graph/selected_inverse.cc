@@ -2,6 +2,7 @@
 #include "survey/graph/selected_inverse.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace survey {
 namespace {
@@ -16,6 +17,17 @@ std::vector<int> RowsOf(const Sparse& factor, int column) {
   std::vector<int> rows;
   for (Sparse::InnerIterator it(factor, column); it; ++it) rows.push_back(static_cast<int>(it.row()));
   return rows;
+}
+
+// Of the unknowns in the order of elimination.
+template <typename Factor>
+std::vector<int> PositionsIn(const Factor& factor, int num_unknowns) {
+  const auto& permutation = factor.permutationP().indices();
+  std::vector<int> positions(permutation.data(), permutation.data() + permutation.size());
+  if (!positions.empty()) return positions;
+  positions.resize(static_cast<std::size_t>(num_unknowns));  // their own order
+  std::iota(positions.begin(), positions.end(), 0);
+  return positions;
 }
 
 // How many columns from `first` on share the rows below them and are full among themselves.
@@ -33,17 +45,18 @@ int WidthOfPanel(const Sparse& factor, int first) {
 // With A = L D L', Z = A^-1, the columns J of a panel and the rows S below them where L is not zero:
 //   Y = L_SJ L_JJ^-1,  Z_SJ = -Z_SS Y,  Z_JJ = (L_JJ D_J L_JJ')^-1 - Y' Z_SJ.
 // All of Z_SS lies in panels behind and where L is not zero. So the panels follow from the last to the first.
-std::optional<SelectedInverse> SelectedInverse::Of(const Sparse& lower, const SparseFactor& factor) {
+template <typename Factor>
+std::optional<SelectedInverse> SelectedInverse::OfFactor(const Sparse& lower, const Factor& factor) {
   if (factor.info() != Eigen::Success) return std::nullopt;
   const Eigen::VectorXd pivots = factor.vectorD();
-  const auto& permutation = factor.permutationP().indices();
   const int n = static_cast<int>(lower.cols());
+  SelectedInverse inverse;
+  inverse.position_ = PositionsIn(factor, n);
   for (int i = 0; i < n; ++i) {
-    if (!(pivots(permutation(i)) > kSmallestPivot * lower.coeff(i, i))) return std::nullopt;
+    if (!(pivots(inverse.position_[static_cast<std::size_t>(i)]) > kSmallestPivot * lower.coeff(i, i)))
+      return std::nullopt;
   }
   const Sparse& stored = factor.matrixL().nestedExpression();
-  SelectedInverse inverse;
-  inverse.position_.assign(permutation.data(), permutation.data() + n);
   for (int first = 0; first < n; first += inverse.panels_.back().width())
     inverse.AddPanel(stored, first, WidthOfPanel(stored, first));
   for (auto panel = inverse.panels_.rbegin(); panel != inverse.panels_.rend(); ++panel)
@@ -51,7 +64,13 @@ std::optional<SelectedInverse> SelectedInverse::Of(const Sparse& lower, const Sp
   return inverse;
 }
 
-std::optional<SelectedInverse> SelectedInverse::Of(const Sparse& lower) { return Of(lower, SparseFactor(lower)); }
+std::optional<SelectedInverse> SelectedInverse::Of(const Sparse& lower, const OrderedFactor& factor) {
+  return OfFactor(lower, factor);
+}
+
+std::optional<SelectedInverse> SelectedInverse::Of(const Sparse& lower) {
+  return OfFactor(lower, Eigen::SimplicialLDLT<Sparse, Eigen::Lower>(lower));
+}
 
 void SelectedInverse::AddPanel(const Sparse& factor, int first, int width) {
   Panel panel{.first = first, .below = RowsOf(factor, first + width - 1)};

@@ -13,14 +13,15 @@
 
 namespace survey {
 
-using SparseFactor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower>;
+// In the order of the matrix.
+using OrderedFactor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower, Eigen::NaturalOrdering<int>>;
 
 class SelectedInverse {
  public:
   // `lower`: the lower triangle of the matrix. Empty when it is not positive definite.
   static std::optional<SelectedInverse> Of(const Eigen::SparseMatrix<double>& lower);
   // The same with the factorisation of `lower` that the caller has.
-  static std::optional<SelectedInverse> Of(const Eigen::SparseMatrix<double>& lower, const SparseFactor& factor);
+  static std::optional<SelectedInverse> Of(const Eigen::SparseMatrix<double>& lower, const OrderedFactor& factor);
 
   // Element of the inverse; row and column must be equal or joined in the matrix (or by fill-in), otherwise zero.
   double operator()(int row, int column) const;
@@ -48,6 +49,8 @@ class SelectedInverse {
     void FindPlaces(const std::vector<int>& rows, std::size_t from, std::vector<int>* places) const;
   };
 
+  template <typename Factor>
+  static std::optional<SelectedInverse> OfFactor(const Eigen::SparseMatrix<double>& lower, const Factor& factor);
   void AddPanel(const Eigen::SparseMatrix<double>& factor, int first, int width);
   void Invert(const Eigen::SparseMatrix<double>& factor, const Eigen::VectorXd& pivots, Panel* panel) const;
   const Panel& PanelOf(int column) const {

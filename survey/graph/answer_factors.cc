@@ -182,6 +182,7 @@ std::size_t AddAnswers(const Track& track, const Answers& answers, BlockGraph* b
 
 std::vector<AnswerTest> TestAnswers(const Answers& answers, const BlockGraph& block, std::size_t first_edge,
                                     const PoseGraphOptions& options) {
+  if (std::none_of(answers.begin(), answers.end(), [](const Answer& a) { return a.ActsInFilter(); })) return {};
   std::vector<AnswerTest> tests = TestEach(answers, block.graph, first_edge);
   const auto num_conflicts =
       std::count_if(tests.begin(), tests.end(), [](const auto& test) { return test.in_conflict; });

@@ -19,7 +19,8 @@ constexpr double kLargestFactor = 1e4;
 constexpr double kFarthestApart = 4.0;  // a kind's factor from that of both
 constexpr int kMaxRounds = 10;
 constexpr double kConverged = 0.05;         // of the logarithm of a factor: far below its own sigma
-constexpr double kNegligibleCost = 0.01;    // all observations together move by a seventh of a sigma
+constexpr double kRoughCost = 1.0;          // where the rounds take the steps that remain
+constexpr double kNegligibleCost = 0.05;    // all observations together move by a third of a sigma
 constexpr double kNegligibleSquares = 0.1;  // of the track alone: its copies agree
 
 struct NetworkEvidence {
@@ -66,6 +67,7 @@ class FactorSearch {
 
   FreeSolution Run() {
     PoseGraphOptions first = options_;
+    first.negligible_cost = kRoughCost;
     first.chordal_start = true;  // a long tour may have drifted far
     result_.summary = Solve(&graph_, first);
     if (!result_.summary.usable) return result_;

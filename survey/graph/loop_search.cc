@@ -23,6 +23,7 @@ constexpr double kNarrow_m = 0.5;            // windows up to here are in the re
 constexpr double kNarrow_rad = 0.2;          // ... from the prediction
 constexpr std::size_t kPlacesOfSubmap = 24;  // its nodes that tell where it lies
 constexpr double kBlindDrift = 10.0;         // of odometry, times that of matched scans
+constexpr double kNegligibleCost = 0.1;      // all nodes together move by half a sigma
 
 // A node to be searched in a submap.
 struct Candidate {
@@ -53,6 +54,7 @@ class LoopSearch {
         projector_(session.geometries, options.max_range_m, 0.0),
         nodes_(SpacedNodes(track, options.node_spacing_m)),
         block_(MakeBlockGraph(track, nodes_)),
+        num_track_edges_(block_.graph.edges.size()),
         prepared_(nodes_.size()),
         attempts_(track.submaps.size()) {
     MeasureWays();
@@ -60,8 +62,7 @@ class LoopSearch {
 
   Loops Run(const std::function<void(std::size_t, std::size_t)>& progress) {
     progress_ = progress;
-    for (int round = 0; round < kMaxClosingRounds; ++round) {
-      if (Search(Round::kClosing) == 0) break;
+    for (int round = 0; round < kMaxClosingRounds && Search(Round::kClosing); ++round) {
     }
     Search(Round::kLast);
     for (const std::map<std::size_t, Attempt>& of_submap : attempts_) {
@@ -81,7 +82,7 @@ class LoopSearch {
   }
 
   void MeasureWays();
-  int Search(Round round);
+  bool Search(Round round);
   LoopWays WaysThroughLoops() const;
   std::vector<Candidate> Candidates(const Submap& submap, const std::vector<double>& ways, Round round) const;
   bool SearchedBefore(const Submap& submap, const Candidate& candidate) const;
@@ -89,7 +90,7 @@ class LoopSearch {
   void SearchSubmap(const Submap& submap, const std::vector<Candidate>& candidates);
   std::optional<Loop> SearchNode(const Submap& submap, const Place& place, const Candidate& candidate) const;
   std::vector<Loop> ConsistentLoops(const Submap& submap) const;
-  void CloseLoops();
+  void CloseLoops(Round round);
 
   const Session& session_;
   const Track& track_;
@@ -98,6 +99,7 @@ class LoopSearch {
   ScanProjector projector_;
   std::vector<ScanId> nodes_;                             // that may be searched
   BlockGraph block_;                                      // of these nodes; poses of the current round
+  std::size_t num_track_edges_;                           // of its edges; those of the loops follow
   std::vector<PlaceScan> prepared_;                       // by node; empty until it is searched
   std::vector<std::map<std::size_t, Attempt>> attempts_;  // by submap and node: the last one
   std::vector<double> way_;                               // along the track, by node
@@ -136,17 +138,19 @@ void LoopSearch::MeasureWays() {
   }
 }
 
-// Returns how many nodes were searched.
-int LoopSearch::Search(Round round) {
+// False where there is nothing left to do.
+bool LoopSearch::Search(Round round) {
   const LoopWays ways = WaysThroughLoops();
   std::vector<std::vector<Candidate>> candidates(track_.submaps.size());
   tbb::parallel_for(std::size_t{0}, track_.submaps.size(), [&](std::size_t s) {
     if (round == Round::kClosing && s % 2 != 0) return;  // overlaps with those before and behind
     candidates[s] = Candidates(track_.submaps[s], ways.From(track_.submaps[s].id), round);
   });
-  int count = 0;
-  for (const std::vector<Candidate>& of_submap : candidates) count += static_cast<int>(of_submap.size());
-  if (count == 0) return 0;
+  const auto any_wide = [](const std::vector<Candidate>& of_submap) {
+    return !std::all_of(of_submap.begin(), of_submap.end(), [](const Candidate& each) { return each.Narrow(); });
+  };
+  // Narrow windows alone are left to the last round.
+  if (round == Round::kClosing && std::none_of(candidates.begin(), candidates.end(), any_wide)) return false;
   Prepare(candidates);
   std::atomic<std::size_t> done = 0;
   std::mutex progress_mutex;
@@ -160,8 +164,8 @@ int LoopSearch::Search(Round round) {
   for (const Submap& submap : track_.submaps) {
     for (Loop& loop : ConsistentLoops(submap)) result_.loops.push_back(std::move(loop));
   }
-  CloseLoops();
-  return count;
+  CloseLoops(round);
+  return true;
 }
 
 LoopWays LoopSearch::WaysThroughLoops() const {
@@ -272,15 +276,15 @@ std::vector<Loop> LoopSearch::ConsistentLoops(const Submap& submap) const {
 }
 
 // Solves with the accepted loops under a robust loss and drops those that the whole graph contradicts.
-void LoopSearch::CloseLoops() {
-  block_ = MakeBlockGraph(track_, nodes_);
-  const std::size_t first_loop = block_.graph.edges.size();
+void LoopSearch::CloseLoops(Round round) {
+  block_.graph.edges.resize(num_track_edges_);
   for (const Loop& loop : result_.loops) {
     if (loop.accepted) AddLoop(loop.constraint, &block_);
   }
-  Solve(&block_.graph, {.chordal_start = true});
-  std::vector<PoseEdge> kept(block_.graph.edges.begin(), block_.graph.edges.begin() + static_cast<long>(first_loop));
-  std::size_t next = first_loop;
+  Solve(&block_.graph, {.negligible_cost = kNegligibleCost, .chordal_start = round == Round::kClosing});
+  const auto track_end = block_.graph.edges.begin() + static_cast<std::ptrdiff_t>(num_track_edges_);
+  std::vector<PoseEdge> kept(block_.graph.edges.begin(), track_end);
+  std::size_t next = num_track_edges_;
   for (Loop& loop : result_.loops) {
     if (!loop.accepted) continue;
     const PoseEdge& edge = block_.graph.edges[next++];
@@ -291,9 +295,9 @@ void LoopSearch::CloseLoops() {
       kept.push_back(edge);
     }
   }
-  if (kept.size() == block_.graph.edges.size()) return;
+  if (round == Round::kLast || kept.size() == block_.graph.edges.size()) return;
   block_.graph.edges = std::move(kept);
-  Solve(&block_.graph, {});
+  Solve(&block_.graph, {.negligible_cost = kNegligibleCost});
 }
 
 }  // namespace

@@ -41,9 +41,17 @@ struct Attempt {
   std::optional<Loop> loop;
 };
 
-// While loops are being closed, a few nodes are searched in submaps that do not overlap; in the end all nodes in all
+// While loops are being closed, a few nodes are searched in submaps that do not overlap; in the end many nodes in all
 // submaps, but where windows are still wide.
 enum class Round { kClosing, kLast };
+
+// Leaves every second, third, ... one, so that there are not more than `most`.
+void ThinOut(std::size_t most, std::vector<Candidate>* candidates) {
+  const std::size_t every = (candidates->size() + most - 1) / most;
+  if (every < 2) return;
+  for (std::size_t i = 0; i * every < candidates->size(); ++i) (*candidates)[i] = (*candidates)[i * every];
+  candidates->resize((candidates->size() + every - 1) / every);
+}
 
 class LoopSearch {
  public:
@@ -200,6 +208,7 @@ std::vector<Candidate> LoopSearch::Candidates(const Submap& submap, const std::v
     last_way = way_[n];
     if (!SearchedBefore(submap, candidate)) candidates.push_back(candidate);
   }
+  if (round == Round::kLast) ThinOut(options_.max_nodes_per_submap, &candidates);
   return candidates;
 }
 

@@ -3,7 +3,7 @@
 // Loop closures of a block, [CN] section 2.3 and [Hess16] section V: nodes are searched in submaps that they did not
 // help to draw. Offline the search comes after the track, in rounds: windows follow the drift that is possible along
 // the shortest way through the graph, so that they shrink as loops close. Wide windows are searched by branch and bound
-// at a few nodes; in narrow ones the match itself finds the pose, at all of them. Loops must agree with each other
+// at a few nodes; in narrow ones the match itself finds the pose, at many of them. Loops must agree with each other
 // before they enter, and with the whole graph to stay.
 #pragma once
 
@@ -18,8 +18,9 @@ namespace survey {
 struct LoopOptions {
   PlaceOptions place;
   double max_range_m = 30.0;
-  double node_spacing_m = 1.5;   // one node per this much path is searched in each submap
-  double min_detour_m = 15.0;    // nodes closer to the submap along the track are not loops
+  double node_spacing_m = 1.5;            // one node per this much path is searched in each submap
+  std::size_t max_nodes_per_submap = 48;  // in narrow windows: evenly chosen, more tell the same again
+  double min_detour_m = 15.0;             // nodes closer to the submap along the track are not loops
   double reach_m = 6.0;          // a node is searched in submaps whose nodes come this close, plus the possible drift
   double drift_m_per_m = 0.006;  // sigma of the drift of the position along the way
   double drift_rad_per_sqrt_m = 0.004;  // sigma of the heading along the way

@@ -108,6 +108,16 @@ TEST(LoopSearch, SymmetricRoomsThatAreEqualAreNotTakenForEachOther) {
   EXPECT_LT(closed.largest_error_m, 0.15);
 }
 
+TEST(LoopSearch, AFewNodesPerSubmapCloseTheSameLoops) {
+  LoopOptions options;
+  options.max_nodes_per_submap = 4;
+  const Closed all = CloseLoops(TwinRooms(), Walk(kBothRooms), {});
+  const Closed few = CloseLoops(TwinRooms(), Walk(kBothRooms), options);
+  EXPECT_LT(few.searched, all.searched);
+  EXPECT_GT(few.accepted, 3);
+  EXPECT_LT(few.largest_error_m, 0.15);
+}
+
 TEST(LoopSearch, ScansOfTooFewPointsAreNotLoops) {
   LoopOptions options;
   options.place.min_points = options.place.max_points + 1;

@@ -106,6 +106,34 @@ void FindWalls(const Counts& counts, const ContradictionOptions& options, Pass* 
   }
 }
 
+// Keeps only the rectangle in which something was seen: rooms are smaller than the reach of the lidar.
+void Trim(Pass* pass) {
+  int first_column = pass->width, end_column = 0, first_row = pass->height, end_row = 0;
+  std::size_t cell = 0;
+  for (int row = 0; row < pass->height; ++row) {
+    for (int column = 0; column < pass->width; ++column, ++cell) {
+      if (pass->seen[cell] == Seen::kTooLittle) continue;
+      first_column = std::min(first_column, column);
+      end_column = std::max(end_column, column + 1);
+      first_row = std::min(first_row, row);
+      end_row = row + 1;
+    }
+  }
+  const int width = std::max(end_column - first_column, 0);
+  const int height = std::max(end_row - first_row, 0);
+  std::vector<Seen> kept;
+  kept.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+  for (int row = first_row; row < end_row; ++row) {
+    const auto begin = pass->seen.begin() + static_cast<std::ptrdiff_t>(row) * pass->width + first_column;
+    kept.insert(kept.end(), begin, begin + width);
+  }
+  pass->seen = std::move(kept);
+  pass->min_column += first_column;
+  pass->min_row += first_row;
+  pass->width = width;
+  pass->height = height;
+}
+
 void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanProjector& projector,
           const ContradictionOptions& options, Pass* pass) {
   Bound(poses, options, pass);
@@ -131,6 +159,7 @@ void Draw(const Session& session, const std::vector<Pose2>& poses, const ScanPro
     }
   }
   FindWalls(counts, options, pass);
+  Trim(pass);
 }
 
 // The wall cells of `pass` against what `other` saw there.

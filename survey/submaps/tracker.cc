@@ -87,10 +87,13 @@ class Tracker {
     return tracked;
   }
 
-  // A scan that hardly fits its map is drawn into it all the same: what follows keeps to it.
+  // A scan that hardly fits its map is drawn into it all the same: what follows keeps to it. Behind a stretch without a
+  // match there is a request already.
   void WatchScore(const TrackedScan& tracked) {
     const double share = static_cast<double>(tracked.score) / usual_score_;
-    if (share < kBreakScoreRatio) {
+    const auto recent = track_.scans.end() - std::min<std::ptrdiff_t>(5, std::ssize(track_.scans));
+    const bool asked = std::any_of(recent, track_.scans.end(), [](const TrackedScan& scan) { return !scan.matched; });
+    if (share < kBreakScoreRatio && !asked) {
       track_.requests.push_back({tracked.scan,
                                  "break",
                                  1.0 - share,
@@ -120,7 +123,7 @@ class Tracker {
                         Start::kPredicted};
     match = Search(map, start, predicted.covariance, far, match);
     if (!Below(kLostScoreRatio, match)) return match;
-    const Window any_heading = {far.half_width_m, std::numbers::pi, Start::kPredicted};
+    const Window any_heading = {options_.search_half_width_m, std::numbers::pi, Start::kPredicted};
     const MatchResult turned = Search(map, start, predicted.covariance, any_heading, match);
     return Below(options_.poor_score_ratio, turned) ? match : turned;
   }

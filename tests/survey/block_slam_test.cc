@@ -99,6 +99,18 @@ TEST_F(RingWalk, ATurnOf60DegreesThatTheOdometryDeniesIsFound) {
   EXPECT_LT(RmsAfterRigidFit(TrackedPoses(denied), seen), 0.10);
 }
 
+// Between two scans the platform turns by 105 degrees, of which the wheels tell nothing.
+TEST(DeniedTurn, BeyondTheUsualWindowAScanThatHardlyFitsIsSearchedAtAnyHeading) {
+  std::vector<Pose2> truth;
+  for (int i = 0; i < 40; ++i) truth.push_back({-4.0 + 0.1 * i, -2.0 + 0.02 * i, 0.2});
+  for (int i = 0; i < 40; ++i) truth.push_back({-0.1 - 0.02 * i, -1.2 + 0.05 * i, 2.03});
+  const auto walls = test_support::Outline({{-6, -4}, {5, -5}, {9, 1}, {1, 6}, {-2, 2}, {-8, 3}});  // no right angles
+  Session session = test_support::SimulateSession(walls, truth, 10.0, 0.01, 1.0, 0.0);
+  for (std::size_t i = 40; i < truth.size(); ++i)
+    session.odometry[i].odom_from_body = truth[39] * Between(truth[40], truth[i]);
+  EXPECT_LT(RmsAfterRigidFit(TrackedPoses(session), truth), 0.05);
+}
+
 TEST_F(RingWalk, TrackFollowsWhereTheOdometryTurnsWithNoiseAndComesLate) {
   Session noisy = *session;
   double error_rad = 0.0;

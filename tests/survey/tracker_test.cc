@@ -104,7 +104,8 @@ std::size_t PeakOfTrack(const Session& session) {
   return peak - before;
 }
 
-TEST(Tracker, MemoryDoesNotGrowWithTheWay) {
+// Without an IMU, whose smoother keeps every step.
+TEST(Tracker, MapsInMemoryDoNotGrowWithTheWay) {
   const auto walk = [](int laps) {
     return test_support::SimulateSession(test_support::Ring(), test_support::LapsOfTheRing(laps), 10.0, 0.01, 1.0, 0.0);
   };

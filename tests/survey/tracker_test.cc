@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What is said of the front end: that [CN] eq. (6)-(7) as written follows too, that beams are corrected for the motion
-// during their sweep, that its memory does not grow with the way.
+// during their sweep, that the maps it holds do not grow with the way.
 #include "survey/submaps/tracker.h"
 
 #include <gtest/gtest.h>

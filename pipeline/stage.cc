@@ -4,7 +4,6 @@
 #include <signal.h>
 #include <tbb/global_control.h>
 #include <toml++/toml.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -15,7 +14,6 @@
 #include <iostream>
 #include <sstream>
 
-#include "formats/digest.h"
 #include "pipeline/nearest.h"
 #include "pipeline/site_lock.h"
 #include "pipeline/stage_program.h"
@@ -27,26 +25,10 @@ namespace fs = std::filesystem;
 using formats::DataError;
 using formats::UsageError;
 
-std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
 // Shortest text that reads back to the same number.
 std::string ToText(double value) {
   char buffer[32];
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
-std::string Duration(double seconds) {
-  char buffer[64];
-  if (seconds < 90) {
-    std::snprintf(buffer, sizeof buffer, "%.0f s", seconds);
-  } else {
-    std::snprintf(buffer, sizeof buffer, "%.0f min", seconds / 60);
-  }
-  return buffer;
 }
 
 std::string Today() {
@@ -58,86 +40,7 @@ std::string Today() {
   return buffer;
 }
 
-// Under `make -j` several stages share the terminal: their progress lines would overwrite each other.
-bool OneOfManyJobs() {
-  const char* flags = std::getenv("MAKEFLAGS");
-  return flags != nullptr && std::string_view(flags).find("--jobserver") != std::string_view::npos;
-}
-
 }  // namespace
-
-std::string Version() { return PLUMBLINE_VERSION; }
-
-Progress::Progress(std::string program, std::string what, std::int64_t total, bool enabled)
-    : program_(std::move(program)),
-      what_(std::move(what)),
-      total_(total),
-      enabled_(enabled && isatty(2) == 1 && !OneOfManyJobs()),
-      start_(std::chrono::steady_clock::now()),
-      last_(start_) {}
-
-Progress::~Progress() {
-  if (printed_) std::fprintf(stderr, "\r\033[K");
-}
-
-void Progress::Advance(std::int64_t done) {
-  if (!enabled_) return;
-  const auto now = std::chrono::steady_clock::now();
-  if (now - last_ < std::chrono::milliseconds(200)) return;
-  last_ = now;
-  printed_ = true;
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double rate = static_cast<double>(done) / elapsed;
-  const double left = rate > 0 ? static_cast<double>(total_ - done) / rate : 0;
-  std::fprintf(stderr, "\r\033[K%s: %s %lld of %lld, %.0f/s, %s left", program_.c_str(), what_.c_str(),
-               static_cast<long long>(done), static_cast<long long>(total_), rate, Duration(left).c_str());
-}
-
-const formats::Provenance& StageRun::Provenance() {
-  if (provenance_) return *provenance_;
-  std::vector<formats::ProvenanceInput> inputs = inputs_;
-  std::map<std::string, formats::ProvenanceRecord> ancestors;
-  for (const DeclaredInput& declared : declared_) {
-    if (declared.content == Content::kParsed) continue;
-    formats::ProvenanceInput input{.role = declared.role};
-    if (declared.content == Content::kTextWithoutComments) {
-      input.sha256 = formats::Sha256OfTextWithoutComments(declared.file);
-      input.comments_ignored = true;
-    } else {
-      input.sha256 = formats::Sha256OfFile(declared.file);
-      const std::string extension = Lower(declared.file.extension().string());
-      if (extension == ".sqlite" || extension == ".tif" || extension == ".json") {
-        const formats::Provenance chain = formats::ReadProvenance(declared.file);
-        input.record_id = chain.Own().Id();
-        for (const formats::ProvenanceRecord& record : chain.records) ancestors.emplace(record.Id(), record);
-      }
-    }
-    inputs.push_back(std::move(input));
-  }
-  formats::Provenance provenance = ProvenanceOf(std::move(inputs));
-  for (auto& [id, record] : ancestors) provenance.records.push_back(std::move(record));
-  provenance_ = std::move(provenance);
-  return *provenance_;
-}
-
-formats::Provenance StageRun::ProvenanceOf(std::vector<formats::ProvenanceInput> inputs) const {
-  std::stable_sort(inputs.begin(), inputs.end(), [](const auto& a, const auto& b) { return a.role < b.role; });
-  return {.records = {{.stage = stage_, .version = Version(), .options = options_, .inputs = std::move(inputs)}}};
-}
-
-Progress StageRun::Track(const std::string& what, std::int64_t total) const {
-  return {"plumbline-" + stage_, what, total, !quiet_};
-}
-
-void StageRun::Message(const std::string& text) {
-  if (!quiet_) std::fprintf(stderr, "plumbline-%s: %s\n", stage_.c_str(), text.c_str());
-  if (log_) *log_ << text << std::endl;
-}
-
-void StageRun::Warn(const std::string& text) {
-  std::fprintf(stderr, "plumbline-%s: warning: %s\n", stage_.c_str(), text.c_str());
-  if (log_) *log_ << "warning: " << text << std::endl;
-}
 
 struct Stage::Impl {
   struct Key {

@@ -1,56 +1,61 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The map for people as cloud-optimized GeoTIFF.
+#include "formats/cog_map.h"
+
 #include <cpl_string.h>
 #include <gdal_priv.h>
 
-#include "formats/map_codes.h"
+#include <string>
+#include <utility>
+
 #include "formats/raster_description.h"
-#include "formats/raster_digest.h"
-#include "formats/raster_file.h"
-#include "formats/scratch_raster.h"
 
 namespace formats {
 namespace {
 
-constexpr int kCogTile = 512;
+constexpr int kTile = 512;
+// One more makes files 6 % smaller in twice the time.
+constexpr const char* kDeflateLevel = "5";
+
+GDALDataset* Described(GDALDataset* data, const survey::RasterStrips& strips, const RasterLabel& label,
+                       const Provenance& provenance) {
+  Describe(data, strips.frame, label, provenance, "occupancy in percent");
+  for (int band = 1; band <= data->GetRasterCount(); ++band) data->GetRasterBand(band)->SetNoDataValue(kUnknownCode);
+  DescribeBand(data->GetRasterBand(1), "occupancy", "percent");
+  if (strips.has_sigma) {
+    DescribeBand(data->GetRasterBand(2), kSigmaName, "m");
+    data->GetRasterBand(2)->SetScale(kSigmaStep_m);
+  }
+  return data;
+}
 
 }  // namespace
 
-void WriteCogMap(const std::filesystem::path& file, const survey::RasterStrips& strips, const RasterLabel& label,
-                 const Provenance& provenance) {
-  RequireCells(file, strips.frame);
-  const GdalSession session;
-  ScratchRaster scratch(file, strips.frame, strips.has_sigma ? 2 : 1, session);
-  Describe(scratch.data(), strips.frame, label, provenance, "occupancy in percent");
-  RasterDigest digest(scratch.data());
-  const auto fill = [&](int band, Layer layer, CellCode code) {
-    scratch.data()->GetRasterBand(band)->SetNoDataValue(kUnknownCode);
-    ForEachStrip(strips, layer, code, [&](int first_row, std::span<std::uint8_t> rows) {
-      scratch.Write(band, first_row, rows);
-      digest.AddRow(std::as_bytes(rows));
-    });
-  };
-  fill(1, &survey::SiteRaster::log_odds, &PercentOf);
-  DescribeBand(scratch.data()->GetRasterBand(1), "occupancy", "percent");
-  if (strips.has_sigma) {
-    fill(2, &survey::SiteRaster::sigma_m, &SigmaStepsOf);
-    DescribeBand(scratch.data()->GetRasterBand(2), kSigmaName, "m");
-    scratch.data()->GetRasterBand(2)->SetScale(kSigmaStep_m);
-  }
-  digest.Store(scratch.data());
-  scratch.BuildOverviews(kCogTile, kUnknownCode);
-  CPLStringList options;
-  options.SetNameValue("COMPRESS", "DEFLATE");
-  options.SetNameValue("BLOCKSIZE", std::to_string(kCogTile).c_str());
-  options.SetNameValue("BIGTIFF", "IF_SAFER");
-  options.SetNameValue("NUM_THREADS", "1");
-  scratch.CopyTo("COG", options.List());
+CogMap::CogMap(const std::filesystem::path& file, const survey::RasterStrips& strips, const RasterLabel& label,
+               const Provenance& provenance, const GdalSession& session)
+    : has_sigma_(strips.has_sigma),
+      scratch_(file, strips.frame, strips.has_sigma ? 2 : 1, session),
+      digest_(Described(scratch_.data(), strips, label, provenance)) {}
+
+void CogMap::Take(int first_row, const survey::SiteRaster& rows) {
+  TakeBand(1, first_row, CodesFromNorth(rows, &survey::SiteRaster::log_odds, &PercentOf));
+  if (has_sigma_) TakeBand(2, first_row, CodesFromNorth(rows, &survey::SiteRaster::sigma_m, &SigmaStepsOf));
 }
 
-void WriteCogMap(const std::filesystem::path& file, const survey::SiteRaster& raster, const RasterLabel& label,
-                 const Provenance& provenance) {
-  WriteCogMap(file, survey::StripsOf(raster), label, provenance);
+void CogMap::TakeBand(int band, int first_row, std::vector<std::uint8_t> codes) {
+  scratch_.Write(band, first_row, codes);
+  digest_.AddRows(band, std::as_bytes(std::span(codes)));
+}
+
+void CogMap::Finish() {
+  digest_.Store(scratch_.data());
+  scratch_.BuildOverviews(kTile, kUnknownCode);
+  CPLStringList options;
+  options.SetNameValue("COMPRESS", "DEFLATE");
+  options.SetNameValue("LEVEL", kDeflateLevel);
+  options.SetNameValue("BLOCKSIZE", std::to_string(kTile).c_str());
+  options.SetNameValue("BIGTIFF", "IF_SAFER");
+  options.SetNameValue("NUM_THREADS", "1");
+  scratch_.CopyTo("COG", options.List());
 }
 
 }  // namespace formats

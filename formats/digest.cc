@@ -81,4 +81,8 @@ std::uint32_t Crc32(std::span<const std::byte> bytes, std::uint32_t previous) {
   return static_cast<std::uint32_t>(crc32_z(previous, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
+std::uint32_t CombinedCrc32(std::uint32_t first, std::uint32_t second, std::uint64_t second_size) {
+  return static_cast<std::uint32_t>(crc32_combine(first, second, static_cast<z_off_t>(second_size)));
+}
+
 }  // namespace formats

@@ -21,4 +21,7 @@ std::string Sha256OfTextWithoutComments(const std::filesystem::path& file);
 // CRC-32 (ISO 3309, as zlib's crc32) of a blob that follows bytes with the CRC-32 `previous`.
 std::uint32_t Crc32(std::span<const std::byte> bytes, std::uint32_t previous = 0);
 
+// That of bytes with the CRC-32 `first` and `second_size` bytes with the CRC-32 `second` after them.
+std::uint32_t CombinedCrc32(std::uint32_t first, std::uint32_t second, std::uint64_t second_size);
+
 }  // namespace formats

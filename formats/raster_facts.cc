@@ -46,7 +46,7 @@ bool ReadValues(GDALRasterBand* band, RasterDigest& digest, RasterFacts& facts) 
   for (int y = 0; y < facts.height; ++y) {
     if (band->RasterIO(GF_Read, 0, y, facts.width, 1, row.data(), facts.width, 1, type, 0, 0, nullptr) != CE_None)
       return false;
-    digest.AddRow(row);
+    digest.AddRows(band->GetBand(), row);
     GDALCopyWords(row.data(), type, GDALGetDataTypeSizeBytes(type), values.data(), GDT_Float64, sizeof(double),
                   facts.width);
     AddValues(values, nodata, facts);

@@ -17,6 +17,7 @@
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
 #include "formats/gdal_session.h"
+#include "formats/map_codes.h"
 #include "formats/raster_crs.h"
 #include "formats/raster_description.h"
 #include "formats/raster_digest.h"
@@ -43,11 +44,11 @@ bool HasBand(GDALDataset* data, const char* name) {
   return false;
 }
 
-// Rows from the north.
-void AddRows(const std::vector<float>& cells, int width, RasterDigest* digest) {
+// `cells` come row by row from the south.
+void AddToDigest(int band, const std::vector<float>& cells, int width, RasterDigest* digest) {
   const auto row_size = static_cast<std::size_t>(width);
   for (std::size_t row = cells.size() / row_size; row-- > 0;)
-    digest->AddRow(std::as_bytes(std::span(cells).subspan(row * row_size, row_size)));
+    digest->AddRows(band, std::as_bytes(std::span(cells).subspan(row * row_size, row_size)));
 }
 
 std::string MetadataOf(GDALDataset* data, const char* item) {
@@ -74,22 +75,23 @@ void ReadGeoreference(const fs::path& file, GDALDataset* data, SiteRaster* raste
 // Rows [first, first + height) of a band, counted from the south.
 std::vector<float> ReadBand(GDALRasterBand* band, int first, int height) {
   const int width = band->GetXSize();
-  std::vector<float> cells(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  for (int row = 0; row < height; ++row) {
-    float* begin = cells.data() + static_cast<std::size_t>(row) * static_cast<std::size_t>(width);
-    const int file_row = band->GetYSize() - 1 - first - row;
-    if (band->RasterIO(GF_Read, 0, file_row, width, 1, begin, width, 1, GDT_Float32, 0, 0, nullptr) != CE_None) break;
-  }
+  const std::size_t before_last_row = static_cast<std::size_t>(width) * static_cast<std::size_t>(height - 1);
+  std::vector<float> cells(before_last_row + static_cast<std::size_t>(width));
+  // The file's first row is the last one of the array.
+  const auto row_bytes = static_cast<GSpacing>(sizeof(float)) * width;
+  if (band->RasterIO(GF_Read, 0, band->GetYSize() - first - height, width, height, cells.data() + before_last_row,
+                     width, height, GDT_Float32, sizeof(float), -row_bytes, nullptr) != CE_None)
+    cells.clear();
   return cells;
 }
 
 // The rows of `raster` out of the file's array, which begins at `file_min_row`. `use` sees the cells of each band.
 void ReadCells(GDALDataset* data, std::int64_t file_min_row, SiteRaster* raster,
-               const std::function<void(const std::vector<float>&)>& use = {}) {
+               const std::function<void(int band, const std::vector<float>&)>& use = {}) {
   const int first = static_cast<int>(raster->min_row - file_min_row);
   for (int band = 1; band <= data->GetRasterCount(); ++band) {
     std::vector<float> cells = ReadBand(data->GetRasterBand(band), first, raster->height);
-    if (use) use(cells);
+    if (use) use(band, cells);
     if (std::vector<float>* layer = LayerOf(raster, data->GetRasterBand(band))) *layer = std::move(cells);
   }
 }
@@ -122,7 +124,7 @@ void VerifyCells(const fs::path& file, GDALDataset* data, const GdalSession& ses
   for (int band = 1; band <= data->GetRasterCount(); ++band) {
     for (int end = data->GetRasterYSize(); end > 0; end -= kStripRows) {
       const int first = std::max(0, end - kStripRows);
-      AddRows(ReadBand(data->GetRasterBand(band), first, end - first), data->GetRasterXSize(), &digest);
+      AddToDigest(band, ReadBand(data->GetRasterBand(band), first, end - first), data->GetRasterXSize(), &digest);
       session.ThrowIfFailed(file, "cannot be read to its end");
     }
   }
@@ -143,32 +145,28 @@ GDALDatasetUniquePtr CreateLogOdds(const fs::path& file, const survey::RasterStr
       file.c_str(), strips.frame.width, strips.frame.height, strips.has_sigma ? 2 : 1, GDT_Float32, options.List()));
 }
 
-using Layer = std::vector<float> SiteRaster::*;
+// The layers of the bands, in their order.
+std::vector<Layer> LayersOf(const survey::RasterStrips& strips) {
+  if (strips.has_sigma) return {&SiteRaster::log_odds, &SiteRaster::sigma_m};
+  return {&SiteRaster::log_odds};
+}
 
-// Calls use(first row, cells) for one row of tiles after the other; rows from the north, as in the file.
-void ForEachTileRow(const survey::RasterStrips& strips, Layer layer,
-                    const std::function<void(int, std::vector<float>&)>& use) {
+// Calls use(band, first row, cells) for one row of tiles after the other; rows from the north, as in the file.
+void ForEachTileRow(const survey::RasterStrips& strips, const std::function<void(int, int, std::vector<float>&)>& use) {
   const SiteRaster& frame = strips.frame;
+  const std::vector<Layer> layers = LayersOf(strips);
   std::vector<float> cells;
   for (int first = 0; first < frame.height; first += kStripRows) {
     const int height = std::min(kStripRows, frame.height - first);
     const SiteRaster rows = strips.read(frame.min_row + frame.height - first - height, height);
-    cells.clear();
-    for (auto end = (rows.*layer).end(); end != (rows.*layer).begin(); end -= frame.width)
-      cells.insert(cells.end(), end - frame.width, end);
-    use(first, cells);
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+      const std::vector<float>& layer = rows.*layers[i];
+      cells.clear();
+      for (auto end = layer.end(); end != layer.begin(); end -= frame.width)
+        cells.insert(cells.end(), end - frame.width, end);
+      use(static_cast<int>(i) + 1, first, cells);
+    }
   }
-}
-
-// Each row of tiles at once, so that the place of a tile in the file does not depend on GDAL's memory.
-void WriteBand(const survey::RasterStrips& strips, Layer layer, GDALRasterBand* band) {
-  const int width = strips.frame.width;
-  ForEachTileRow(strips, layer, [&](int first, std::vector<float>& cells) {
-    const int height = static_cast<int>(cells.size()) / width;
-    if (band->RasterIO(GF_Write, 0, first, width, height, cells.data(), width, height, GDT_Float32, 0, 0, nullptr) ==
-        CE_None)
-      band->FlushCache(false);
-  });
 }
 
 }  // namespace
@@ -183,16 +181,21 @@ void WriteRaster(const fs::path& file, const survey::RasterStrips& strips, const
   Describe(data.get(), strips.frame, label, provenance, kLogOdds);
   data->GetRasterBand(1)->SetNoDataValue(survey::kUnknownLogOdds);
   if (strips.has_sigma) DescribeBand(data->GetRasterBand(2), kSigmaName, "m");
-  std::vector<Layer> layers = {&SiteRaster::log_odds};
-  if (strips.has_sigma) layers.push_back(&SiteRaster::sigma_m);
   // The checksum comes first: a file that is cut off keeps its description, and shows that it is broken.
   RasterDigest digest(data.get());
-  for (const Layer layer : layers)
-    ForEachTileRow(strips, layer,
-                   [&](int, const std::vector<float>& cells) { digest.AddRow(std::as_bytes(std::span(cells))); });
+  ForEachTileRow(strips, [&](int band, int, const std::vector<float>& cells) {
+    digest.AddRows(band, std::as_bytes(std::span(cells)));
+  });
   digest.Store(data.get());
-  for (std::size_t i = 0; i < layers.size(); ++i)
-    WriteBand(strips, layers[i], data->GetRasterBand(static_cast<int>(i) + 1));
+  // Each row of tiles at once, so that the place of a tile in the file does not depend on GDAL's memory.
+  ForEachTileRow(strips, [&](int number, int first_row, std::vector<float>& cells) {
+    const int width = strips.frame.width;
+    const int height = static_cast<int>(cells.size()) / width;
+    GDALRasterBand* band = data->GetRasterBand(number);
+    if (band->RasterIO(GF_Write, 0, first_row, width, height, cells.data(), width, height, GDT_Float32, 0, 0,
+                       nullptr) == CE_None)
+      band->FlushCache(false);
+  });
   data.reset();
   session.ThrowIfFailed(file, "could not be written (disk full?)");
   output.Commit();
@@ -210,7 +213,7 @@ SiteRaster ReadRaster(const fs::path& file, RasterLabel* label) {
   ReadGeoreference(file, data.get(), &raster);
   RasterDigest digest(data.get());
   ReadCells(data.get(), raster.min_row, &raster,
-            [&](const std::vector<float>& cells) { AddRows(cells, raster.width, &digest); });
+            [&](int band, const std::vector<float>& cells) { AddToDigest(band, cells, raster.width, &digest); });
   session.ThrowIfFailed(file, "cannot be read to its end");
   digest.Verify(data.get(), file);
   const RasterLabel own = LabelOf(file, data.get());

@@ -21,25 +21,9 @@ CPLErr Transfer(GDALRasterBand* band, GDALRWFlag direction, int first_row, int n
 
 }  // namespace
 
-void ForEachStrip(const survey::RasterStrips& strips, Layer layer, CellCode code,
-                  const std::function<void(int first_row, std::span<std::uint8_t> rows)>& use) {
-  const survey::SiteRaster& frame = strips.frame;
-  std::vector<std::uint8_t> codes;
-  for (int first = 0; first < frame.height; first += kTile) {
-    const int height = std::min(kTile, frame.height - first);
-    const survey::SiteRaster rows = strips.read(frame.min_row + frame.height - first - height, height);
-    codes.clear();
-    for (int row = height - 1; row >= 0; --row) {
-      for (int column = 0; column < frame.width; ++column)
-        codes.push_back(code((rows.*layer)[rows.Index(column, row)]));
-    }
-    use(first, codes);
-  }
-}
-
 ScratchRaster::ScratchRaster(const std::filesystem::path& target, const survey::SiteRaster& frame, int num_bands,
                              const GdalSession& session)
-    : target_(target), session_(session), file_(std::filesystem::path(target).replace_extension(".cells.tif")) {
+    : target_(target), session_(session), file_(target.string() + ".cells.tif") {
   CPLStringList options;
   options.SetNameValue("TILED", "YES");
   options.SetNameValue("BLOCKXSIZE", std::to_string(kTile).c_str());

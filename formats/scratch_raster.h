@@ -6,27 +6,17 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "formats/atomic_file.h"
 #include "formats/gdal_session.h"
-#include "survey/grid/raster_strips.h"
+#include "survey/grid/site_raster.h"
 
 class GDALDataset;
 class GDALRasterBand;
 
 namespace formats {
-
-using CellCode = std::uint8_t (*)(float value);
-
-using Layer = std::vector<float> survey::SiteRaster::*;
-
-// Calls `use` with the codes of a layer's rows from the north, a strip at a time.
-void ForEachStrip(const survey::RasterStrips& strips, Layer layer, CellCode code,
-                  const std::function<void(int first_row, std::span<std::uint8_t> rows)>& use);
 
 class ScratchRaster {
  public:

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "formats/artefacts.h"
+#include "formats/map_files.h"
 #include "formats/raster_file.h"
 #include "formats/seams_file.h"
 #include "pipeline/descent.h"
@@ -75,17 +76,15 @@ std::vector<BlockMap> ReadMaps(const std::vector<pipeline::NamedFile>& maps,
   return blocks;
 }
 
-void WriteMap(const fs::path& tif, const survey::RasterStrips& map, const formats::RasterLabel& label,
-              const formats::Provenance& provenance) {
-  formats::WriteCogMap(tif, map, label, provenance);
-  formats::WritePngMap(fs::path(tif).replace_extension(".png"), map, label);
+formats::MapFiles FilesOf(const fs::path& tif) {
+  return {.tif = tif, .png = fs::path(tif).replace_extension(".png"), .ros = {}};
 }
 
 // The log-odds themselves, for whoever wants to compute with them.
 void WriteArchive(bool wanted, const fs::path& tif, const survey::RasterStrips& map, const formats::RasterLabel& label,
                   const formats::Provenance& provenance) {
   if (!wanted) fs::remove(tif);
-  if (wanted) formats::WriteRaster(tif, map.read(map.frame.min_row, map.frame.height), label, provenance);
+  if (wanted) formats::WriteRaster(tif, map, label, provenance);
 }
 
 void RemoveMap(const fs::path& tif) {
@@ -165,6 +164,7 @@ class LoadedBlocks {
 
 std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& blocks, const SeamSearch& search,
                                            pipeline::StageRun& run) {
+  if (blocks.size() < 2) return {};
   std::vector<survey::Coverage> coverages;
   for (const BlockMap* block : blocks) coverages.emplace_back(block->map);
   LoadedBlocks loaded(blocks);
@@ -249,7 +249,8 @@ int main(int argc, char** argv) {
       report.blocks.push_back({block.name, block.label.tied, in_site ? "site.tif" : "local/" + block.name + ".tif"});
       if (!block.label.tied)
         run.Warn(block.name + " is not tied to control: " + report.blocks.back().map + " is in its local frame");
-      if (!in_site) WriteMap(output / report.blocks.back().map, block.map, block.label, run.Provenance());
+      if (in_site) continue;
+      formats::WriteMapFiles(FilesOf(output / report.blocks.back().map), block.map, block.label, run.Provenance());
     }
     RemoveOldLocalMaps(output, report);
     const fs::path site = output / "site.tif";
@@ -260,8 +261,9 @@ int main(int argc, char** argv) {
     } else {
       report.label = site_blocks.front()->label;
       const survey::RasterStrips mosaic = survey::MosaicOf(site_maps, {});
-      WriteMap(site, mosaic, report.label, run.Provenance());
-      formats::WriteRosMap(output / "ros", mosaic, report.label);
+      formats::MapFiles files = FilesOf(site);
+      files.ros = output / "ros";
+      formats::WriteMapFiles(files, mosaic, report.label, run.Provenance());
       WriteArchive(archive, output / "site-log-odds.tif", mosaic, report.label, run.Provenance());
       report.seams = CompareAll(site_blocks, search, run);
     }

@@ -24,19 +24,31 @@ SiteRaster CommonFrame(const std::vector<RasterStrips>& blocks) {
   return site;
 }
 
+// Without branches, for the compiler's vector instructions: most of a site is looked at by no block or by one.
+void AddLogOdds(const float* part, int count, float* sum) {
+  for (int i = 0; i < count; ++i) {
+    const float both = sum[i] + part[i];
+    const float one = std::isnan(sum[i]) ? part[i] : sum[i];
+    sum[i] = std::isnan(both) ? one : both;
+  }
+}
+
+// Unknown only where both are.
+void TakeLarger(const float* part, int count, float* largest) {
+  for (int i = 0; i < count; ++i) {
+    const float larger = part[i] > largest[i] ? part[i] : largest[i];
+    largest[i] = std::isnan(largest[i]) ? part[i] : larger;
+  }
+}
+
 void Add(const SiteRaster& part, SiteRaster* site) {
   const int first_column = static_cast<int>(part.min_column - site->min_column);
   const int first_row = static_cast<int>(part.min_row - site->min_row);
   for (int row = 0; row < part.height; ++row) {
-    for (int column = 0; column < part.width; ++column) {
-      const float value = part.At(column, row);
-      if (std::isnan(value)) continue;
-      float& sum = site->At(first_column + column, first_row + row);
-      sum = std::isnan(sum) ? value : sum + value;
-      if (site->sigma_m.empty()) continue;
-      float& sigma = site->sigma_m[site->Index(first_column + column, first_row + row)];
-      sigma = std::fmax(sigma, part.sigma_m[part.Index(column, row)]);  // NaN only where both are
-    }
+    const std::size_t from = part.Index(0, row);
+    const std::size_t to = site->Index(first_column, first_row + row);
+    AddLogOdds(&part.log_odds[from], part.width, &site->log_odds[to]);
+    if (!site->sigma_m.empty()) TakeLarger(&part.sigma_m[from], part.width, &site->sigma_m[to]);
   }
 }
 
@@ -59,8 +71,10 @@ RasterStrips MosaicOf(std::vector<RasterStrips> blocks, const MosaicOptions& opt
     rows.log_odds.assign(cells, kUnknownLogOdds);
     if (has_sigma) rows.sigma_m.assign(cells, std::numeric_limits<float>::quiet_NaN());
     for (const RasterStrips& block : blocks) AddRows(block, &rows);
+    // A comparison with the unknown is false: it stays.
     for (float& value : rows.log_odds) {
-      if (!std::isnan(value)) value = std::clamp(value, options.min_log_odds, options.max_log_odds);
+      value = value < options.min_log_odds ? options.min_log_odds : value;
+      value = value > options.max_log_odds ? options.max_log_odds : value;
     }
     return rows;
   };

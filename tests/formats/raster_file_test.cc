@@ -15,6 +15,7 @@
 
 #include "formats/atomic_file.h"
 #include "formats/errors.h"
+#include "formats/map_files.h"
 #include "tests/support/command.h"
 #include "tests/support/scratch_folder.h"
 
@@ -131,13 +132,19 @@ TEST(RasterFile, EqualInputsGiveEqualBytes) {
     WritePngMap(scratch / name / "site.png", Room(), kUtm);
     WriteRosMap(scratch / name / "ros", Room(), kUtm);
   }
+  // All in one pass as one by one.
+  const SiteRaster room = Room();
+  WriteRaster(scratch / "c/grid.tif", room, kUtm, SomeProvenance());
+  WriteMapFiles({.tif = scratch / "c/site.tif", .png = scratch / "c/site.png", .ros = scratch / "c/ros"},
+                survey::StripsOf(room), kUtm, SomeProvenance());
   for (const char* file : {"grid.tif", "site.tif", "site.png", "site.pgw", "site.png.aux.xml", "ros/map.yaml",
                            "ros/map_local.yaml", "ros/map.pgm"}) {
     EXPECT_TRUE(ReadWholeFile(scratch / "a" / file) == ReadWholeFile(scratch / "b" / file)) << file;
+    EXPECT_TRUE(ReadWholeFile(scratch / "a" / file) == ReadWholeFile(scratch / "c" / file)) << file;
   }
   // Nothing else lies there: no sidecars, no temporaries.
   int files = 0;
-  for ([[maybe_unused]] const auto& entry : fs::recursive_directory_iterator(scratch / "a")) ++files;
+  for ([[maybe_unused]] const auto& entry : fs::recursive_directory_iterator(scratch / "c")) ++files;
   EXPECT_EQ(files, 9);
 }
 

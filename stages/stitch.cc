@@ -114,10 +114,9 @@ struct SeamSearch {
 };
 
 // Empty: both have not seen enough for a seam. Of the pair only what both may have seen is looked at.
-std::optional<survey::Seam> CompareTwo(const survey::SeenTiles& first, const survey::SeenTiles& second,
+std::optional<survey::Seam> CompareTwo(const survey::FacedTiles& first, const survey::FacedTiles& second,
                                        const survey::CellBox& common, double cell_m, const SeamSearch& search) {
-  constexpr std::int64_t kSmoothedCells = 8;  // whose surroundings tell where their faces are
-  const std::int64_t margin = std::llround(search.seam.search_m / cell_m) + kSmoothedCells;
+  const std::int64_t margin = survey::SeamMarginCells(search.seam, cell_m);
   survey::Seam seam = survey::CompareMaps(first.Part(common, margin), second.Part(common, margin), search.seam);
   if (seam.overlap_area_m2 == 0.0 || seam.overlap_area_m2 < search.min_overlap_m2) return std::nullopt;
   return seam;
@@ -125,17 +124,19 @@ std::optional<survey::Seam> CompareTwo(const survey::SeenTiles& first, const sur
 
 // A block while it is compared with its neighbours.
 struct LoadedBlock {
-  survey::SeenTiles map;
+  survey::FacedTiles map;
   survey::Solution solution;
 
-  explicit LoadedBlock(const BlockMap& block) : map(block.map), solution(formats::ReadSolution(block.solution)) {}
+  LoadedBlock(const BlockMap& block, const survey::SeamOptions& options)
+      : map(block.map, options), solution(formats::ReadSolution(block.solution)) {}
   std::size_t bytes() const { return map.bytes() + solution.scans.size() * sizeof(survey::SolvedScan); }
 };
 
 // The blocks that were used last stay in memory, up to a limit: neighbours are compared soon after each other.
 class LoadedBlocks {
  public:
-  explicit LoadedBlocks(const std::vector<const BlockMap*>& blocks) : blocks_(blocks) {}
+  LoadedBlocks(const std::vector<const BlockMap*>& blocks, const survey::SeamOptions& options)
+      : blocks_(blocks), options_(options) {}
 
   std::shared_ptr<const LoadedBlock> Of(std::size_t index) {
     const auto found =
@@ -143,7 +144,7 @@ class LoadedBlocks {
     if (found != last_used_.end()) {
       last_used_.splice(last_used_.begin(), last_used_, found);
     } else {
-      last_used_.emplace_front(index, std::make_shared<LoadedBlock>(*blocks_[index]));
+      last_used_.emplace_front(index, std::make_shared<LoadedBlock>(*blocks_[index], options_));
       bytes_ += last_used_.front().second->bytes();
     }
     while (bytes_ > kMostBytes && last_used_.size() > 1) {
@@ -158,6 +159,7 @@ class LoadedBlocks {
   static constexpr std::size_t kMostBytes = std::size_t{128} << 20;
 
   const std::vector<const BlockMap*>& blocks_;
+  const survey::SeamOptions& options_;
   std::list<Entry> last_used_;  // the last one first
   std::size_t bytes_ = 0;
 };
@@ -167,7 +169,7 @@ std::vector<formats::BlockSeam> CompareAll(const std::vector<const BlockMap*>& b
   if (blocks.size() < 2) return {};
   std::vector<survey::Coverage> coverages;
   for (const BlockMap* block : blocks) coverages.emplace_back(block->map);
-  LoadedBlocks loaded(blocks);
+  LoadedBlocks loaded(blocks, search.seam);
   const double cell_m = blocks.front()->map.frame.cell_size_m;
   std::vector<formats::BlockSeam> seams;
   pipeline::Progress progress = run.Track("blocks", static_cast<std::int64_t>(blocks.size()));

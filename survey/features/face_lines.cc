@@ -17,7 +17,6 @@ using Eigen::Vector2d;
 
 constexpr double kOccupied = 0.65;
 constexpr double kFree = 0.35;
-constexpr int kMarginCells = 8;  // of the smoothing in FaceImage
 constexpr double kMinCosine = 0.6;
 constexpr double kOwnCosine = 0.8;  // cells at a corner look between its faces and belong to both
 constexpr int kDirections = 180;
@@ -27,7 +26,7 @@ constexpr double kMostTrimmed = 0.25;     // of its length
 // The part of a raster round a cell.
 SiteRaster Crop(const SiteRaster& raster, const Vector2d& centre, double radius_m) {
   const auto middle = raster.CellOf(centre);
-  const std::int64_t reach = std::llround(radius_m / raster.cell_size_m) + kMarginCells;
+  const std::int64_t reach = std::llround(radius_m / raster.cell_size_m) + kFaceReachCells;
   const std::int64_t first_column = std::max<std::int64_t>(0, middle.x() - reach);
   const std::int64_t first_row = std::max<std::int64_t>(0, middle.y() - reach);
   const std::int64_t end_column = std::min<std::int64_t>(raster.width, middle.x() + reach + 1);
@@ -192,7 +191,7 @@ std::vector<FaceCell> FaceCellsNear(const SiteRaster& raster, const Vector2d& p_
   const SiteRaster part = Crop(raster, p_in_site, radius_m);
   std::vector<FaceCell> cells;
   if (part.width == 0) return cells;
-  const FaceImage faces(part, kOccupied, kFree, 0);
+  const FaceImage faces(part, kOccupied, kFree);
   for (int row = 0; row < part.height; ++row) {
     for (int column = 0; column < part.width; ++column) {
       const float log_odds = part.At(column, row);

@@ -61,20 +61,26 @@ CommonCoverage Coverage::With(const Coverage& other) const {
   return common;
 }
 
-SiteRaster PartOf(const RasterStrips& map, const CellBox& box, std::int64_t margin) {
-  const SiteRaster& frame = map.frame;
+SiteRaster FrameWithin(const SiteRaster& frame, const CellBox& box, std::int64_t margin) {
   const std::int64_t first_row = std::max(frame.min_row, box.min_row - margin);
   const std::int64_t end_row = std::min(frame.min_row + frame.height, box.end_row + margin);
   const std::int64_t first_column = std::max(frame.min_column, box.min_column - margin);
   const std::int64_t end_column = std::min(frame.min_column + frame.width, box.end_column + margin);
   if (first_row >= end_row || first_column >= end_column) return {.cell_size_m = frame.cell_size_m};
-  const SiteRaster rows = map.read(first_row, static_cast<int>(end_row - first_row));
-  SiteRaster part = RowsOf(frame, first_row, rows.height);
-  part.min_column = first_column;
-  part.width = static_cast<int>(end_column - first_column);
+  return {.cell_size_m = frame.cell_size_m,
+          .min_column = first_column,
+          .min_row = first_row,
+          .width = static_cast<int>(end_column - first_column),
+          .height = static_cast<int>(end_row - first_row)};
+}
+
+SiteRaster PartOf(const RasterStrips& map, const CellBox& box, std::int64_t margin) {
+  SiteRaster part = FrameWithin(map.frame, box, margin);
+  if (part.width == 0) return part;
+  const SiteRaster rows = map.read(part.min_row, part.height);
   for (int row = 0; row < rows.height; ++row) {
-    const auto from =
-        rows.log_odds.begin() + static_cast<std::ptrdiff_t>(rows.Index(0, row)) + (first_column - frame.min_column);
+    const auto from = rows.log_odds.begin() + static_cast<std::ptrdiff_t>(rows.Index(0, row)) +
+                      (part.min_column - map.frame.min_column);
     part.log_odds.insert(part.log_odds.end(), from, from + part.width);
   }
   return part;

@@ -40,6 +40,13 @@ inline CellBox Hull(const CellBox& a, const CellBox& b) {
           std::max(a.end_row, b.end_row)};
 }
 
+inline CellBox BoxOf(const SiteRaster& raster) {
+  return {raster.min_column, raster.min_row, raster.min_column + raster.width, raster.min_row + raster.height};
+}
+
+// The frame of the part of a map that lies within `margin` cells of the box; without cells where there is none.
+SiteRaster FrameWithin(const SiteRaster& frame, const CellBox& box, std::int64_t margin);
+
 // What two maps may have seen both.
 struct CommonCoverage {
   std::int64_t max_cells = 0;  // at most so many cells

@@ -3,7 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cstdlib>
+#include <cmath>
+#include <utility>
 
 #include "survey/geometry/principal_axes.h"
 #include "survey/grid/coverage.h"
@@ -12,28 +13,32 @@
 namespace survey {
 namespace {
 
-// Cells [first, end) in site columns or rows.
-struct Range {
-  std::int64_t first = 0;
-  std::int64_t end = 0;
-};
-
-Range Common(std::int64_t a, int a_size, std::int64_t b, int b_size) {
-  return {std::max(a, b), std::min(a + a_size, b + b_size)};
+// Of a site cell of the raster.
+std::size_t IndexOf(const SiteRaster& raster, std::int64_t site_column, std::int64_t site_row) {
+  return raster.Index(static_cast<int>(site_column - raster.min_column), static_cast<int>(site_row - raster.min_row));
 }
-
-struct Overlap {
-  Range columns;
-  Range rows;
-  bool Empty() const { return columns.first >= columns.end || rows.first >= rows.end; }
-};
 
 // Value at a site cell; NaN outside.
 float ValueAt(const SiteRaster& raster, std::int64_t site_column, std::int64_t site_row) {
-  const std::int64_t column = site_column - raster.min_column;
-  const std::int64_t row = site_row - raster.min_row;
-  if (!raster.Contains(column, row)) return kUnknownLogOdds;
-  return raster.At(static_cast<int>(column), static_cast<int>(row));
+  if (!raster.Contains(site_column - raster.min_column, site_row - raster.min_row)) return kUnknownLogOdds;
+  return raster.log_odds[IndexOf(raster, site_column, site_row)];
+}
+
+// The cells of a site row from a site column of the raster on.
+const float* CellsFrom(const SiteRaster& raster, std::int64_t site_column, std::int64_t site_row) {
+  return raster.log_odds.data() + IndexOf(raster, site_column, site_row);
+}
+
+// Whether some cell within so many columns and rows was observed.
+bool KnownNear(const SiteRaster& raster, std::int64_t site_column, std::int64_t site_row, int near) {
+  if (!std::isnan(ValueAt(raster, site_column, site_row))) return true;
+  const CellBox cell{site_column, site_row, site_column + 1, site_row + 1};
+  const SiteRaster part = FrameWithin(raster, cell, near);
+  for (int row = 0; row < part.height; ++row) {
+    const float* from = CellsFrom(raster, part.min_column, part.min_row + row);
+    if (!std::all_of(from, from + part.width, [](float value) { return std::isnan(value); })) return true;
+  }
+  return false;
 }
 
 float LogOddsOf(double probability) { return static_cast<float>(std::log(probability / (1.0 - probability))); }
@@ -52,7 +57,7 @@ bool HasWallNear(const SiteRaster& raster, std::int64_t column, std::int64_t row
   return false;
 }
 
-void CountCells(const SiteRaster& first, const SiteRaster& second, const Overlap& overlap, const SeamOptions& options,
+void CountCells(const SiteRaster& first, const SiteRaster& second, const CellBox& overlap, const SeamOptions& options,
                 Seam* seam) {
   const Thresholds limit{LogOddsOf(options.occupied_probability), LogOddsOf(options.free_probability)};
   const int reach = static_cast<int>(std::lround(options.wall_tolerance_m / first.cell_size_m));
@@ -61,9 +66,10 @@ void CountCells(const SiteRaster& first, const SiteRaster& second, const Overlap
   std::int64_t walls[2] = {0, 0};
   std::int64_t contradicted[2] = {0, 0};
   const SiteRaster* maps[2] = {&first, &second};
-  for (std::int64_t row = overlap.rows.first; row < overlap.rows.end; ++row) {
-    for (std::int64_t column = overlap.columns.first; column < overlap.columns.end; ++column) {
-      const float value[2] = {ValueAt(first, column, row), ValueAt(second, column, row)};
+  for (std::int64_t row = overlap.min_row; row < overlap.end_row; ++row) {
+    const float* cells[2] = {CellsFrom(first, overlap.min_column, row), CellsFrom(second, overlap.min_column, row)};
+    for (std::int64_t column = overlap.min_column; column < overlap.end_column; ++column) {
+      const float value[2] = {*cells[0]++, *cells[1]++};
       if (std::isnan(value[0]) || std::isnan(value[1])) continue;
       ++known;
       for (int i = 0; i < 2; ++i) {
@@ -84,16 +90,35 @@ void CountCells(const SiteRaster& first, const SiteRaster& second, const Overlap
   seam->second_contradicted_share = share(contradicted[1], walls[1]);
 }
 
-// Agreement of the faces of one window for every shift of the second map, in cells from -reach to reach.
+// The faces of a map in a window: visit(index of the cell, site column, site row).
+template <typename Visit>
+void ForEachFace(const FacedRaster& raster, const CellBox& window, const Visit& visit) {
+  const SiteRaster part = FrameWithin(raster.map, window, 0);
+  for (std::int64_t row = part.min_row; row < part.min_row + part.height; ++row) {
+    std::size_t i = IndexOf(raster.map, part.min_column, row);
+    for (std::int64_t column = part.min_column; column < part.min_column + part.width; ++column, ++i) {
+      if (raster.face_x[i] != 0.0F || raster.face_y[i] != 0.0F) visit(i, column, row);
+    }
+  }
+}
+
+// Agreement of the faces of one window for every shift of the second map, in cells from -reach to reach. Each map's
+// faces count where the other one has seen anything within `near` cells: elsewhere nothing can agree.
 class Agreement {
  public:
-  Agreement(const FaceImage& first, const FaceImage& second, const Overlap& window, int reach)
+  Agreement(const FacedRaster& first, const FacedRaster& second, const CellBox& window, int near, int reach)
       : reach_(reach), size_(2 * reach + 1), sums_(static_cast<std::size_t>(size_ * size_), 0.0) {
-    for (std::int64_t row = window.rows.first; row < window.rows.end; ++row) {
-      for (std::int64_t column = window.columns.first; column < window.columns.end; ++column) {
-        AddCell(first, second, column, row);
-      }
-    }
+    ForEachFace(second, window, [&](std::size_t i, std::int64_t column, std::int64_t row) {
+      if (KnownNear(first.map, column, row, near))
+        second_norm_ += Eigen::Vector2f(second.face_x[i], second.face_y[i]).squaredNorm();
+    });
+    ForEachFace(first, window, [&](std::size_t i, std::int64_t column, std::int64_t row) {
+      if (!KnownNear(second.map, column, row, near)) return;
+      const Eigen::Vector2f face(first.face_x[i], first.face_y[i]);
+      first_norm_ += face.squaredNorm();
+      face_cells_ += face.norm();
+      AddShifts(face, second, column, row);
+    });
   }
 
   double At(int dx, int dy) const { return sums_[static_cast<std::size_t>((dy + reach_) * size_ + dx + reach_)]; }
@@ -123,20 +148,15 @@ class Agreement {
   }
 
  private:
-  void AddCell(const FaceImage& first, const FaceImage& second, std::int64_t column, std::int64_t row) {
-    // Each map's faces count where the other one has seen anything near: elsewhere nothing can agree.
-    const Eigen::Vector2f b = second.At(column, row);
-    if (b != Eigen::Vector2f::Zero() && first.KnownNear(column, row)) second_norm_ += b.squaredNorm();
-    const Eigen::Vector2f a = first.At(column, row);
-    if (a == Eigen::Vector2f::Zero() || !second.KnownNear(column, row)) return;
-    first_norm_ += a.squaredNorm();
-    face_cells_ += a.norm();
-    std::size_t index = 0;
-    for (int dy = -reach_; dy <= reach_; ++dy) {
-      for (int dx = -reach_; dx <= reach_; ++dx, ++index) {
-        // Faces that look opposite ways (negative) are two faces, not a contradiction.
-        sums_[index] += std::max(0.0F, a.dot(second.At(column + dx, row + dy)));
-      }
+  // Faces that look opposite ways (negative) are two faces, not a contradiction.
+  void AddShifts(const Eigen::Vector2f& face, const FacedRaster& second, std::int64_t column, std::int64_t row) {
+    const SiteRaster within = FrameWithin(second.map, {column, row, column + 1, row + 1}, reach_);
+    for (std::int64_t r = within.min_row; r < within.min_row + within.height; ++r) {
+      const std::size_t from = IndexOf(second.map, within.min_column, r);
+      const float* x = &second.face_x[from];
+      const float* y = &second.face_y[from];
+      double* sums = &sums_[static_cast<std::size_t>((r - row + reach_) * size_ + within.min_column - column + reach_)];
+      for (int i = 0; i < within.width; ++i) sums[i] += std::max(0.0F, face.x() * x[i] + face.y() * y[i]);
     }
   }
 
@@ -167,9 +187,10 @@ Parabola FitParabola(const Agreement& agreement, const Eigen::Vector2i& peak) {
 constexpr double kMinFaceCells = 20.0;      // a metre of wall
 constexpr double kMinCurvatureRatio = 0.1;  // below: a straight wall, known across only
 
-std::optional<SeamPatch> MeasureWindow(const FaceImage& first, const FaceImage& second, const Overlap& window,
-                                       double cell_size_m, int reach, double min_quality) {
-  const Agreement agreement(first, second, window, reach + 1);
+std::optional<SeamPatch> MeasureWindow(const FacedRaster& first, const FacedRaster& second, const CellBox& window,
+                                       int reach, double min_quality) {
+  const double cell_size_m = first.map.cell_size_m;
+  const Agreement agreement(first, second, window, reach, reach + 1);
   if (agreement.face_cells() < kMinFaceCells) return std::nullopt;
   const Eigen::Vector2i peak = agreement.Peak();
   const double quality = agreement.Quality(agreement.At(peak.x(), peak.y()));
@@ -182,8 +203,8 @@ std::optional<SeamPatch> MeasureWindow(const FaceImage& first, const FaceImage& 
   SeamPatch patch;
   patch.quality = std::min(quality, 1.0);
   patch.centre_in_site = cell_size_m / 2 *
-                         Eigen::Vector2d(static_cast<double>(window.columns.first + window.columns.end),
-                                         static_cast<double>(window.rows.first + window.rows.end));
+                         Eigen::Vector2d(static_cast<double>(window.min_column + window.end_column),
+                                         static_cast<double>(window.min_row + window.end_row));
   if (weak >= kMinCurvatureRatio * strong) {
     patch.directions = 2;
     patch.offset = cell_size_m * (peak.cast<double>() + parabola.curvature.ldlt().solve(parabola.gradient));
@@ -217,31 +238,46 @@ void CombinePatches(Seam* seam) {
   if (full > 0) seam->rms_m = std::sqrt(squares / full);
 }
 
+int SearchCells(const SeamOptions& options, double cell_size_m) {
+  return static_cast<int>(std::lround(options.search_m / cell_size_m));
+}
+
 std::int64_t FloorTo(std::int64_t value, std::int64_t step) { return FloorDivide(value, step) * step; }
 
 }  // namespace
 
-Seam CompareMaps(const SiteRaster& first, const SiteRaster& second, const SeamOptions& options) {
+FacedRaster WithFaces(SiteRaster map, const SeamOptions& options) {
+  const FaceImage faces(map, options.occupied_probability, options.free_probability);
+  return {.map = std::move(map), .face_x = faces.x(), .face_y = faces.y()};
+}
+
+std::int64_t SeamMarginCells(const SeamOptions& options, double cell_size_m) {
+  // Faces so near to what the other map has seen count, and are sought one cell further.
+  return 2 * SearchCells(options, cell_size_m) + 1;
+}
+
+Seam CompareMaps(const FacedRaster& first, const FacedRaster& second, const SeamOptions& options) {
   Seam seam;
-  const Overlap overlap{Common(first.min_column, first.width, second.min_column, second.width),
-                        Common(first.min_row, first.height, second.min_row, second.height)};
-  if (overlap.Empty()) return seam;
-  CountCells(first, second, overlap, options, &seam);
-  const int reach = static_cast<int>(std::lround(options.search_m / first.cell_size_m));
-  const FaceImage first_faces(first, options.occupied_probability, options.free_probability, reach);
-  const FaceImage second_faces(second, options.occupied_probability, options.free_probability, reach);
+  const CellBox overlap = BoxOf(FrameWithin(first.map, BoxOf(second.map), 0));
+  if (overlap.min_column >= overlap.end_column) return seam;
+  CountCells(first.map, second.map, overlap, options, &seam);
+  const double cell_size_m = first.map.cell_size_m;
+  const int reach = SearchCells(options, cell_size_m);
   // Windows on a fixed raster of the site, so that they stay where they are when a block grows.
-  const std::int64_t step = std::max<std::int64_t>(1, std::llround(options.window_m / first.cell_size_m));
-  for (std::int64_t row = FloorTo(overlap.rows.first, step); row < overlap.rows.end; row += step) {
-    for (std::int64_t column = FloorTo(overlap.columns.first, step); column < overlap.columns.end; column += step) {
-      const Overlap window{{column, column + step}, {row, row + step}};
-      const auto patch =
-          MeasureWindow(first_faces, second_faces, window, first.cell_size_m, reach, options.min_quality);
+  const std::int64_t step = std::max<std::int64_t>(1, std::llround(options.window_m / cell_size_m));
+  for (std::int64_t row = FloorTo(overlap.min_row, step); row < overlap.end_row; row += step) {
+    for (std::int64_t column = FloorTo(overlap.min_column, step); column < overlap.end_column; column += step) {
+      const CellBox window{column, row, column + step, row + step};
+      const auto patch = MeasureWindow(first, second, window, reach, options.min_quality);
       if (patch) seam.patches.push_back(*patch);
     }
   }
   CombinePatches(&seam);
   return seam;
+}
+
+Seam CompareMaps(const SiteRaster& first, const SiteRaster& second, const SeamOptions& options) {
+  return CompareMaps(WithFaces(first, options), WithFaces(second, options), options);
 }
 
 }  // namespace survey

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -45,7 +46,20 @@ struct Seam {
   std::optional<double> rms_m;            // root mean square offset of the patches with two directions
 };
 
+// A map with the faces of its walls (faces.h), cell by cell.
+struct FacedRaster {
+  SiteRaster map;
+  std::vector<float> face_x;
+  std::vector<float> face_y;
+};
+
+FacedRaster WithFaces(SiteRaster map, const SeamOptions& options);
+
+// Parts of two maps give the same seam as the whole ones when they go on for so many cells round what both have seen.
+std::int64_t SeamMarginCells(const SeamOptions& options, double cell_size_m);
+
 // The rasters must have the same cell size. Without overlap the area is 0 and there are no patches.
+Seam CompareMaps(const FacedRaster& first, const FacedRaster& second, const SeamOptions& options);
 Seam CompareMaps(const SiteRaster& first, const SiteRaster& second, const SeamOptions& options);
 
 }  // namespace survey

@@ -9,77 +9,115 @@ namespace {
 
 constexpr std::size_t kCellsOfTile = static_cast<std::size_t>(kTileCells) * kTileCells;
 
-std::ptrdiff_t IndexInTile(std::int64_t column, std::int64_t row) {
-  return (row - FloorDivide(row, kTileCells) * kTileCells) * kTileCells + column -
-         FloorDivide(column, kTileCells) * kTileCells;
+std::int64_t EndOfTile(std::int64_t cell) { return (FloorDivide(cell, kTileCells) + 1) * kTileCells; }
+
+std::size_t IndexInTile(std::int64_t column, std::int64_t row) {
+  return static_cast<std::size_t>((row - FloorDivide(row, kTileCells) * kTileCells) * kTileCells + column -
+                                  FloorDivide(column, kTileCells) * kTileCells);
 }
 
 }  // namespace
 
-SeenTiles::SeenTiles(const RasterStrips& map)
-    : frame_(FrameOf(map.frame)),
-      min_column_(FloorDivide(map.frame.min_column, kTileCells)),
-      min_row_(FloorDivide(map.frame.min_row, kTileCells)),
-      width_(FloorDivide(map.frame.min_column + map.frame.width - 1, kTileCells) - min_column_ + 1) {
-  const std::int64_t height = FloorDivide(map.frame.min_row + map.frame.height - 1, kTileCells) - min_row_ + 1;
-  place_.assign(static_cast<std::size_t>(width_ * height), kNothingSeen);
-  VisitRows(map, [&](const SiteRaster& rows) { TakeRows(rows); });
-  cells_.shrink_to_fit();
+TiledLayer::TiledLayer(const SiteRaster& frame, float nothing)
+    : nothing_(nothing),
+      min_column_(FloorDivide(frame.min_column, kTileCells)),
+      min_row_(FloorDivide(frame.min_row, kTileCells)),
+      width_(FloorDivide(frame.min_column + frame.width - 1, kTileCells) - min_column_ + 1) {
+  const std::int64_t height = FloorDivide(frame.min_row + frame.height - 1, kTileCells) - min_row_ + 1;
+  place_.assign(static_cast<std::size_t>(width_ * height), kNotKept);
 }
 
-std::size_t SeenTiles::TileOf(std::int64_t column, std::int64_t row) const {
+bool TiledLayer::IsNothing(float value) const {
+  return value == nothing_ || (std::isnan(nothing_) && std::isnan(value));
+}
+
+std::size_t TiledLayer::TileOf(std::int64_t column, std::int64_t row) const {
   return static_cast<std::size_t>((FloorDivide(row, kTileCells) - min_row_) * width_ + FloorDivide(column, kTileCells) -
                                   min_column_);
 }
 
-void SeenTiles::TakeRows(const SiteRaster& rows) {
-  for (int r = 0; r < rows.height; ++r) {
-    const std::int64_t row = rows.min_row + r;
-    for (int c = 0; c < rows.width; ++c) {
-      const float value = rows.At(c, r);
-      if (std::isnan(value)) continue;
-      const std::int64_t column = rows.min_column + c;
-      std::int32_t& place = place_[TileOf(column, row)];
-      if (place == kNothingSeen) {
-        place = static_cast<std::int32_t>(cells_.size() / kCellsOfTile);
-        cells_.resize(cells_.size() + kCellsOfTile, kUnknownLogOdds);
-      }
-      cells_[static_cast<std::size_t>(place) * kCellsOfTile + static_cast<std::size_t>(IndexInTile(column, row))] =
-          value;
+void TiledLayer::Take(const CellBox& box, const SiteRaster& raster, const std::vector<float>& cells) {
+  for (std::int64_t row = box.min_row; row < box.end_row; ++row) {
+    const float* from = cells.data() + raster.Index(0, static_cast<int>(row - raster.min_row));
+    for (std::int64_t column = box.min_column; column < box.end_column;) {
+      const std::int64_t end = std::min(box.end_column, EndOfTile(column));
+      TakeRun(column, row, from + (column - raster.min_column), end - column);
+      column = end;
     }
   }
+}
+
+void TiledLayer::TakeRun(std::int64_t column, std::int64_t row, const float* from, std::int64_t count) {
+  if (std::all_of(from, from + count, [this](float value) { return IsNothing(value); })) return;
+  std::int32_t& place = place_[TileOf(column, row)];
+  if (place == kNotKept) {
+    place = static_cast<std::int32_t>(cells_.size() / kCellsOfTile);
+    cells_.resize(cells_.size() + kCellsOfTile, nothing_);
+  }
+  std::copy_n(from, count, &cells_[static_cast<std::size_t>(place) * kCellsOfTile + IndexInTile(column, row)]);
+}
+
+std::vector<float> TiledLayer::Cells(const SiteRaster& part) const {
+  std::vector<float> cells(part.Index(0, part.height), nothing_);
+  for (int r = 0; r < part.height; ++r) {
+    const std::int64_t row = part.min_row + r;
+    float* to = cells.data() + part.Index(0, r);
+    for (std::int64_t column = part.min_column; column < part.min_column + part.width;) {
+      const std::int64_t end = std::min(part.min_column + part.width, EndOfTile(column));
+      const std::int32_t place = place_[TileOf(column, row)];
+      if (place != kNotKept)
+        std::copy_n(&cells_[static_cast<std::size_t>(place) * kCellsOfTile + IndexInTile(column, row)], end - column,
+                    to + (column - part.min_column));
+      column = end;
+    }
+  }
+  return cells;
+}
+
+bool TiledLayer::AnyIn(const CellBox& box) const {
+  for (std::int64_t row = box.min_row; row < box.end_row; row = EndOfTile(row)) {
+    for (std::int64_t column = box.min_column; column < box.end_column; column = EndOfTile(column)) {
+      if (place_[TileOf(column, row)] != kNotKept) return true;
+    }
+  }
+  return false;
+}
+
+SeenTiles::SeenTiles(const RasterStrips& map) : frame_(FrameOf(map.frame)), log_odds_(map.frame, kUnknownLogOdds) {
+  VisitRows(map, [&](const SiteRaster& rows) { log_odds_.Take(BoxOf(rows), rows, rows.log_odds); });
 }
 
 SiteRaster SeenTiles::Part(const CellBox& box, std::int64_t margin) const {
-  const std::int64_t first_row = std::max(frame_.min_row, box.min_row - margin);
-  const std::int64_t end_row = std::min(frame_.min_row + frame_.height, box.end_row + margin);
-  const std::int64_t first_column = std::max(frame_.min_column, box.min_column - margin);
-  const std::int64_t end_column = std::min(frame_.min_column + frame_.width, box.end_column + margin);
-  SiteRaster part{.cell_size_m = frame_.cell_size_m};
-  if (first_row >= end_row || first_column >= end_column) return part;
-  part.min_row = first_row;
-  part.height = static_cast<int>(end_row - first_row);
-  part.min_column = first_column;
-  part.width = static_cast<int>(end_column - first_column);
-  part.log_odds.assign(part.Index(0, part.height), kUnknownLogOdds);
-  for (std::int64_t row = first_row; row < end_row; ++row) CopyRow(row, &part);
+  SiteRaster part = FrameWithin(frame_, box, margin);
+  if (part.width > 0) part.log_odds = log_odds_.Cells(part);
   return part;
 }
 
-// Tile by tile; what none has seen stays unknown.
-void SeenTiles::CopyRow(std::int64_t row, SiteRaster* part) const {
-  auto to = part->log_odds.begin() + static_cast<std::ptrdiff_t>(part->Index(0, static_cast<int>(row - part->min_row)));
-  const std::int64_t end = part->min_column + part->width;
-  for (std::int64_t column = part->min_column; column < end;) {
-    const std::int64_t next = std::min(end, (FloorDivide(column, kTileCells) + 1) * kTileCells);
-    const std::int32_t place = place_[TileOf(column, row)];
-    if (place != kNothingSeen) {
-      const auto from = cells_.begin() + static_cast<std::ptrdiff_t>(kCellsOfTile) * place + IndexInTile(column, row);
-      std::copy(from, from + (next - column), to);
+FacedTiles::FacedTiles(const RasterStrips& map, const SeamOptions& options)
+    : map_(map), face_x_(map.frame, 0.0F), face_y_(map.frame, 0.0F) {
+  constexpr std::int64_t kSide = 8 * kTileCells;  // what is looked at stays in the processor's cache
+  const CellBox whole = BoxOf(map.frame);
+  for (std::int64_t row = whole.min_row; row < whole.end_row; row += kSide) {
+    for (std::int64_t column = whole.min_column; column < whole.end_column; column += kSide) {
+      FindFaces({column, row, std::min(column + kSide, whole.end_column), std::min(row + kSide, whole.end_row)},
+                options);
     }
-    to += next - column;
-    column = next;
   }
+}
+
+void FacedTiles::FindFaces(const CellBox& box, const SeamOptions& options) {
+  if (!map_.SawAnythingIn(box)) return;
+  const FacedRaster part = WithFaces(map_.Part(box, kFaceReachCells), options);
+  face_x_.Take(box, part.map, part.face_x);
+  face_y_.Take(box, part.map, part.face_y);
+}
+
+FacedRaster FacedTiles::Part(const CellBox& box, std::int64_t margin) const {
+  FacedRaster part{.map = map_.Part(box, margin), .face_x = {}, .face_y = {}};
+  if (part.map.width == 0) return part;
+  part.face_x = face_x_.Cells(part.map);
+  part.face_y = face_y_.Cells(part.map);
+  return part;
 }
 
 }  // namespace survey

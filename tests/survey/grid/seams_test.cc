@@ -102,9 +102,10 @@ TEST(Coverage, ThePartsBothHaveSeenGiveTheSeamOfTheWholeMaps) {
   const SiteRaster second = RenderMap(Hall(), {{12, 6.2}, {17, 9}}, {.range_max_m = 8.0});
   const Seam whole = CompareMaps(first, second, {});
   const CommonCoverage common = Coverage(StripsOf(first)).With(Coverage(StripsOf(second)));
-  const SiteRaster part = SeenTiles(StripsOf(first)).Part(common.box, 16);
-  const Seam parts = CompareMaps(part, SeenTiles(StripsOf(second)).Part(common.box, 16), {});
-  EXPECT_LT(part.width, first.width * 3 / 4);
+  const std::int64_t margin = SeamMarginCells({}, first.cell_size_m);
+  const FacedRaster part = FacedTiles(StripsOf(first), {}).Part(common.box, margin);
+  const Seam parts = CompareMaps(part, FacedTiles(StripsOf(second), {}).Part(common.box, margin), {});
+  EXPECT_LT(part.map.width, first.width * 3 / 4);
   ASSERT_GT(whole.overlap_area_m2, 1.0);
   EXPECT_GE(static_cast<double>(common.max_cells) * first.cell_size_m * first.cell_size_m, whole.overlap_area_m2);
   EXPECT_EQ(parts.overlap_area_m2, whole.overlap_area_m2);

@@ -15,7 +15,7 @@ TEST(Specification, QuotesEverySchema) {
   EXPECT_NE(text.find("```sql" + std::string(kCommonSchema)), std::string::npos);
   for (const ArtefactFormat& format : AllFormats()) {
     EXPECT_NE(text.find("```sql" + std::string(format.schema) + "```"), std::string::npos)
-        << "formats/README.md does not quote the schema of " << format.name << " as it is in artefact_formats.cc";
+        << "formats/README.md does not quote the schema of " << format.name << " as it is in the code";
     EXPECT_NE(text.find("| " + std::string(format.name) + " | " + std::to_string(format.UserVersion()) + " |"),
               std::string::npos)
         << format.name;

@@ -117,7 +117,7 @@ class InertialNavigator {
   Eigen::Vector3d turned_since_step_ = Eigen::Vector3d::Zero();  // integral of the raw rate, rad
   double contradicted_s_ = 0.0;                                  // how long the matches have been refused, s
   std::optional<InertialDoubt> tilted_;
-  std::vector<FilterStep> steps_;
+  FilterSteps steps_;
   InertialSummary summary_;
 };
 

@@ -33,7 +33,7 @@ ErrorMatrix PackedCovariance::Full() const {
   return full;
 }
 
-void Smooth(const std::vector<FilterStep>& steps,
+void Smooth(const FilterSteps& steps,
             const std::function<void(std::size_t, const InertialState&, const ErrorMatrix&)>& visit) {
   InertialState state;
   ErrorMatrix covariance;

@@ -6,8 +6,8 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <functional>
-#include <vector>
 
 #include "survey/inertial/error_state_filter.h"
 #include "survey/sensors/session.h"
@@ -35,8 +35,11 @@ struct FilterStep {
   PackedCovariance updated_covariance;
 };
 
+// Two to three kilobytes each, of which a long drive has many: not in one piece, which would be copied to grow.
+using FilterSteps = std::deque<FilterStep>;
+
 // Calls `visit` for every step with its smoothed state and covariance, from the last step to the first.
-void Smooth(const std::vector<FilterStep>& steps,
+void Smooth(const FilterSteps& steps,
             const std::function<void(std::size_t step, const InertialState&, const ErrorMatrix&)>& visit);
 
 }  // namespace survey

@@ -165,11 +165,11 @@ Drive Simulate(std::uint64_t seed) {
   return drive;
 }
 
-std::vector<FilterStep> Filter(const Drive& drive, const std::function<bool(int)>& matched) {
+FilterSteps Filter(const Drive& drive, const std::function<bool(int)>& matched) {
   Earth earth = TestEarth();
   earth.rotation_in_nav.head<2>().setZero();
   ErrorStateFilter filter(drive.start, drive.start_covariance, kNoise, earth);
-  std::vector<FilterStep> steps;
+  FilterSteps steps;
   for (int step = 0; step < Drive::kSteps; ++step) {
     for (int i = 0; i < Drive::kSamples; ++i)
       filter.Propagate(drive.increments[static_cast<std::size_t>(step * Drive::kSamples + i)]);
@@ -199,7 +199,7 @@ TEST(ErrorStateFilterTest, ErrorsAreAsLargeAsTheFilterBelieves) {
   double smoothed_square = 0.0;
   for (int run = 0; run < kRuns; ++run) {
     const Drive drive = Simulate(static_cast<std::uint64_t>(run) + 1);
-    const std::vector<FilterStep> steps = Filter(drive, [](int) { return true; });
+    const FilterSteps steps = Filter(drive, [](int) { return true; });
     filtered += Nees(drive.truth.back(), steps.back().updated, steps.back().updated_covariance.Full()) / kRuns;
     Smooth(steps, [&](std::size_t k, const InertialState& state, const ErrorMatrix& covariance) {
       if (k == steps.size() / 2) smoothed += Nees(drive.truth[k], state, covariance) / kRuns;
@@ -222,7 +222,7 @@ TEST(ErrorStateFilterTest, SmoothingBridgesAStretchWithoutMatches) {
   double bridged = 0.0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const Drive drive = Simulate(seed);
-    const std::vector<FilterStep> steps = Filter(drive, [](int step) { return step < 150 || step >= 200; });
+    const FilterSteps steps = Filter(drive, [](int step) { return step < 150 || step >= 200; });
     Smooth(steps, [&](std::size_t k, const InertialState& state, const ErrorMatrix&) {
       if (k < 150 || k >= 200) return;
       forward += (drive.truth[k].p_in_local - steps[k].updated.p_in_local).head<2>().squaredNorm();
@@ -238,7 +238,7 @@ TEST(ErrorStateFilterTest, SmoothingBridgesAStretchWithoutMatches) {
 TEST(ErrorStateFilterTest, SmoothedEqualsTheBatchAdjustment) {
   constexpr int kStates = 12;
   const Drive drive = Simulate(5);
-  std::vector<FilterStep> steps = Filter(drive, [](int step) { return step % 3 == 0; });
+  FilterSteps steps = Filter(drive, [](int step) { return step % 3 == 0; });
   steps.erase(steps.begin() + kStates, steps.end());
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(15 * kStates, 15 * kStates);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(15 * kStates);

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -17,7 +18,8 @@
 namespace survey {
 namespace {
 
-constexpr int kMaxClosingRounds = 3;         // before the last one
+// Every so many submaps are searched in the rounds before the last: the first loops narrow the windows of the others.
+constexpr std::array<std::size_t, 5> kClosingRounds = {8, 4, 2, 2, 2};
 constexpr double kClosingSpacing_m = 4.0;    // between nodes that are searched while loops are being closed
 constexpr double kNarrow_m = 0.5;            // windows up to here are in the reach of a match ...
 constexpr double kNarrow_rad = 0.2;          // ... from the prediction
@@ -31,6 +33,7 @@ struct Candidate {
   Pose2 predicted;  // submap_from_scan
   double sigma_m = 0.0;
   double sigma_rad = 0.0;
+  double away_m = 0.0;  // from the nearest of the submap's nodes
 
   bool Narrow() const { return 3.0 * sigma_m <= kNarrow_m && 3.0 * sigma_rad <= kNarrow_rad; }
 };
@@ -45,12 +48,13 @@ struct Attempt {
 // submaps, but where windows are still wide.
 enum class Round { kClosing, kLast };
 
-// Leaves every second, third, ... one, so that there are not more than `most`.
-void ThinOut(std::size_t most, std::vector<Candidate>* candidates) {
-  const std::size_t every = (candidates->size() + most - 1) / most;
-  if (every < 2) return;
-  for (std::size_t i = 0; i * every < candidates->size(); ++i) (*candidates)[i] = (*candidates)[i * every];
-  candidates->resize((candidates->size() + every - 1) / every);
+// Those nearest to the submap's nodes see most of it.
+void KeepNearest(std::size_t most, std::vector<Candidate>* candidates) {
+  if (candidates->size() <= most) return;
+  std::sort(candidates->begin(), candidates->end(), [](const Candidate& a, const Candidate& b) {
+    return a.away_m != b.away_m ? a.away_m < b.away_m : a.node < b.node;
+  });
+  candidates->resize(most);
 }
 
 class LoopSearch {
@@ -70,9 +74,8 @@ class LoopSearch {
 
   Loops Run(const std::function<void(std::size_t, std::size_t)>& progress) {
     progress_ = progress;
-    for (int round = 0; round < kMaxClosingRounds && Search(Round::kClosing); ++round) {
-    }
-    Search(Round::kLast);
+    for (const std::size_t every : kClosingRounds) Search(Round::kClosing, every);
+    Search(Round::kLast, 1);
     for (const std::map<std::size_t, Attempt>& of_submap : attempts_) {
       result_.candidates_searched += static_cast<int>(of_submap.size());
     }
@@ -90,7 +93,7 @@ class LoopSearch {
   }
 
   void MeasureWays();
-  bool Search(Round round);
+  void Search(Round round, std::size_t every);
   LoopWays WaysThroughLoops() const;
   std::vector<Candidate> Candidates(const Submap& submap, const std::vector<double>& ways, Round round) const;
   bool SearchedBefore(const Submap& submap, const Candidate& candidate) const;
@@ -146,19 +149,20 @@ void LoopSearch::MeasureWays() {
   }
 }
 
-// False where there is nothing left to do.
-bool LoopSearch::Search(Round round) {
+// In every so many submaps.
+void LoopSearch::Search(Round round, std::size_t every) {
   const LoopWays ways = WaysThroughLoops();
   std::vector<std::vector<Candidate>> candidates(track_.submaps.size());
   tbb::parallel_for(std::size_t{0}, track_.submaps.size(), [&](std::size_t s) {
-    if (round == Round::kClosing && s % 2 != 0) return;  // overlaps with those before and behind
+    if (s % every != 0) return;
     candidates[s] = Candidates(track_.submaps[s], ways.From(track_.submaps[s].id), round);
+    // Narrow windows alone are left to the last round.
+    const bool narrow = std::all_of(candidates[s].begin(), candidates[s].end(),
+                                    [](const Candidate& candidate) { return candidate.Narrow(); });
+    if (round == Round::kClosing && narrow) candidates[s].clear();
   });
-  const auto any_wide = [](const std::vector<Candidate>& of_submap) {
-    return !std::all_of(of_submap.begin(), of_submap.end(), [](const Candidate& each) { return each.Narrow(); });
-  };
-  // Narrow windows alone are left to the last round.
-  if (round == Round::kClosing && std::none_of(candidates.begin(), candidates.end(), any_wide)) return false;
+  if (std::all_of(candidates.begin(), candidates.end(), [](const auto& of_submap) { return of_submap.empty(); }))
+    return;
   Prepare(candidates);
   std::atomic<std::size_t> done = 0;
   std::mutex progress_mutex;
@@ -173,7 +177,6 @@ bool LoopSearch::Search(Round round) {
     for (Loop& loop : ConsistentLoops(submap)) result_.loops.push_back(std::move(loop));
   }
   CloseLoops(round);
-  return true;
 }
 
 LoopWays LoopSearch::WaysThroughLoops() const {
@@ -197,18 +200,18 @@ std::vector<Candidate> LoopSearch::Candidates(const Submap& submap, const std::v
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     if (std::max(stretch.first - way_[n], way_[n] - stretch.last) < options_.min_detour_m) continue;
     if (round == Round::kClosing && way_[n] - last_way < kClosingSpacing_m) continue;
-    const Candidate candidate{n, Between(Pose(submap.id), Pose(n)), 0.05 + options_.drift_m_per_m * ways[n],
-                              0.01 + options_.drift_rad_per_sqrt_m * std::sqrt(ways[n])};
+    Candidate candidate{n, Between(Pose(submap.id), Pose(n)), 0.05 + options_.drift_m_per_m * ways[n],
+                        0.01 + options_.drift_rad_per_sqrt_m * std::sqrt(ways[n])};
     if (round == Round::kLast && !candidate.Narrow()) continue;
     const double reach = options_.reach_m + std::min(2.0 * candidate.sigma_m, options_.max_window_m);
-    const bool near = std::any_of(places.begin(), places.end(), [&](const Eigen::Vector2d& place) {
-      return (place - candidate.predicted.Translation()).squaredNorm() < reach * reach;
-    });
-    if (!near) continue;
+    candidate.away_m = reach;
+    for (const Eigen::Vector2d& place : places)
+      candidate.away_m = std::min(candidate.away_m, (place - candidate.predicted.Translation()).norm());
+    if (candidate.away_m >= reach) continue;
     last_way = way_[n];
     if (!SearchedBefore(submap, candidate)) candidates.push_back(candidate);
   }
-  if (round == Round::kLast) ThinOut(options_.max_nodes_per_submap, &candidates);
+  if (round == Round::kLast) KeepNearest(options_.max_nodes_per_submap, &candidates);
   return candidates;
 }
 

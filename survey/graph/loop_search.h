@@ -19,7 +19,7 @@ struct LoopOptions {
   PlaceOptions place;
   double max_range_m = 30.0;
   double node_spacing_m = 1.5;            // one node per this much path is searched in each submap
-  std::size_t max_nodes_per_submap = 48;  // in narrow windows: evenly chosen, more tell the same again
+  std::size_t max_nodes_per_submap = 48;  // in narrow windows: the nearest, more tell the same again
   double min_detour_m = 15.0;             // nodes closer to the submap along the track are not loops
   double reach_m = 6.0;          // a node is searched in submaps whose nodes come this close, plus the possible drift
   double drift_m_per_m = 0.006;  // sigma of the drift of the position along the way

@@ -103,7 +103,7 @@ TEST_F(EditsTest, AnEditThatCouldNotFollowIsAskedAboutUntilSomebodySettlesIt) {
   const auto stages = site_.StagesOfRun();
   EXPECT_EQ(std::count(stages.begin(), stages.end(), "A edit"), 1);
   EXPECT_EQ(std::count(stages.begin(), stages.end(), "requests"), 0) << "an edit without doubt changes nothing there";
-  ReplaceInFile(site_ / "site.toml", "# refit-residual-m = 0.15", "refit-residual-m = 0.0005");
+  ReplaceInFile(site_ / "site.toml", "# refit-residual-m = 0.15", "refit-residual-m = 0.0001");
   ReplaceInFile(site_ / "control/points.csv", "1,5600201.9973,", "1,5600201.9773,");
   EXPECT_EQ(site_.Run().status, 0);
   ASSERT_EQ(requests().size(), 1U);

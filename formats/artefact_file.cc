@@ -321,15 +321,17 @@ bool ArtefactWriter::Commit() {
   return file_.Commit();
 }
 
-ArtefactReader::ArtefactReader(const std::filesystem::path& file, ArtefactKind kind)
-    : database_(Database::OpenForReading(file)) {
+ArtefactReader::ArtefactReader(const std::filesystem::path& file) : database_(Database::OpenForReading(file)) {
+  CheckSize(database_);
+  CheckSchema(database_, KindOf(database_));
+}
+
+ArtefactReader::ArtefactReader(const std::filesystem::path& file, ArtefactKind kind) : ArtefactReader(file) {
   const ArtefactKind found = KindOf(database_);
   if (found != kind) {
     throw DataError(file.string() + ": a " + std::string(FormatOf(found).name) + " file, expected a " +
                     std::string(FormatOf(kind).name) + " file");
   }
-  CheckSize(database_);
-  CheckSchema(database_, kind);
   CheckForeignKeys(database_);
 }
 

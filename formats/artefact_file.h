@@ -229,6 +229,8 @@ class ArtefactReader {
  public:
   // DataError when the file is not an artefact of that kind in this version, or damaged.
   ArtefactReader(const std::filesystem::path& file, ArtefactKind kind);
+  // Of any kind, for its provenance: whether its tables fit each other is not looked at.
+  explicit ArtefactReader(const std::filesystem::path& file);
 
   // Calls read(table) for each row in order, then holds the table against the end marker.
   template <typename Function>

@@ -60,7 +60,7 @@ std::optional<Provenance> FindProvenance(const std::filesystem::path& file) {
   try {
     switch (KindOfFile(file)) {
       case FileKind::kSqlite:
-        return ArtefactReader(file, KindOfArtefact(file)).ReadProvenance();
+        return ArtefactReader(file).ReadProvenance();
       case FileKind::kGeoTiff:
         return OfGeoTiff(file);
       case FileKind::kJson:

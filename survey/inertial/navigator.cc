@@ -214,7 +214,7 @@ void InertialNavigator::Start(StampNs stamp_ns, const ScanObservation& observati
   last_lidar_ = LidarPose(state);
   summary_.restarts += first ? 0 : 1;
   const PackedCovariance packed(filter_->covariance());
-  steps_.push_back({stamp_ns, false, {}, state, packed, state, packed});
+  Keep({stamp_ns, false, {}, state, packed, state, packed});
 }
 
 bool InertialNavigator::OnMark(StampNs stamp_ns) const {
@@ -268,8 +268,8 @@ void InertialNavigator::FeedStep(StampNs stamp_ns, const ScanObservation& observ
     contradicted_s_ = 0.0;
     return;
   }
-  steps_.push_back({stamp_ns, true, transition, predicted, predicted_covariance, filter_->state(),
-                    PackedCovariance(filter_->covariance())});
+  Keep({stamp_ns, true, transition, predicted, predicted_covariance, filter_->state(),
+        PackedCovariance(filter_->covariance())});
   step_ns_ = stamp_ns;
   turned_since_step_.setZero();
 }
@@ -285,21 +285,41 @@ void InertialNavigator::Observe(StampNs stamp_ns, const ScanObservation& observa
   if (filter_) last_lidar_ = LidarPose(filter_->state());
 }
 
-std::vector<SmoothedCorrection> InertialNavigator::Smoothed(InertialSummary* summary) const {
-  *summary = summary_;
-  if (tilted_) summary->doubts.push_back(*tilted_);
-  std::vector<SmoothedCorrection> corrections(steps_.size());
+// Of a long drive the beginning is smoothed, and its steps are let go, as soon as so many more have been seen that what
+// follows tells nothing of it.
+void InertialNavigator::Keep(const FilterStep& step) {
+  const std::size_t piece = 4 * options_.look_ahead;  // large against what is smoothed twice
+  steps_.push_back(step);
+  if (steps_.size() < piece + options_.look_ahead) return;
+  SmoothFirst(piece, &smoothed_);
+  steps_.erase(steps_.begin(), steps_.begin() + static_cast<std::ptrdiff_t>(piece));
+}
+
+void InertialNavigator::SmoothFirst(std::size_t num_steps, Smoothing* smoothing) const {
+  const std::size_t first = smoothing->corrections.size();
+  smoothing->corrections.resize(first + num_steps);
   Smooth(steps_, [&](std::size_t k, const InertialState& state, const ErrorMatrix& covariance) {
-    summary->gyro_bias += state.gyro_bias / static_cast<double>(steps_.size());
-    summary->accelerometer_bias += state.accelerometer_bias / static_cast<double>(steps_.size());
-    SmoothedCorrection& correction = corrections[k];
+    if (k >= num_steps) return;
+    smoothing->gyro_bias += state.gyro_bias;
+    smoothing->accelerometer_bias += state.accelerometer_bias;
+    SmoothedCorrection& correction = smoothing->corrections[first + k];
     correction.stamp_ns = steps_[k].stamp_ns;
     correction.continues = steps_[k].continues;
     correction.filtered_from_smoothed = Between(LidarPose(steps_[k].updated), LidarPose(state));
     const auto design = PlanarPoseDesign(state, session_.setup.body_from_lidar);
     correction.covariance = design * covariance * design.transpose();
   });
-  return corrections;
+}
+
+std::vector<SmoothedCorrection> InertialNavigator::Smoothed(InertialSummary* summary) const {
+  *summary = summary_;
+  if (tilted_) summary->doubts.push_back(*tilted_);
+  Smoothing all = smoothed_;
+  SmoothFirst(steps_.size(), &all);
+  const auto count = static_cast<double>(std::max<std::size_t>(all.corrections.size(), 1));
+  summary->gyro_bias = all.gyro_bias / count;
+  summary->accelerometer_bias = all.accelerometer_bias / count;
+  return std::move(all.corrections);
 }
 
 }  // namespace survey

@@ -27,6 +27,7 @@ struct InertialOptions {
   double match_sigma_rad = 0.003;
   double update_interval_s = 0.1;  // matches in between are not used: they tell the same
   double max_gap_s = 0.1;          // between samples
+  std::size_t look_ahead = 500;    // updates that are awaited behind a stretch before it is smoothed
   double level_sigma_m_s = 0.1;    // of the vertical velocity
   double standstill_sigma_m_s = 0.01;
   double odometry_sigma_m_s = 0.05;     // of a velocity by odometry ...
@@ -96,6 +97,14 @@ class InertialNavigator {
   void UpdateByStandstill(StampNs stamp_ns);
   void WatchTilt(StampNs stamp_ns);
   bool OnMark(StampNs stamp_ns) const;
+  // What is known of a stretch of the drive when all behind it has been seen.
+  struct Smoothing {
+    std::vector<SmoothedCorrection> corrections;
+    Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero();  // sums
+    Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero();
+  };
+  void Keep(const FilterStep& step);
+  void SmoothFirst(std::size_t num_steps, Smoothing* smoothing) const;
   Pose2 LidarPose(const InertialState& state) const;
   Twist2 LidarTwist(StampNs stamp_ns) const;
   std::size_t FirstFrom(StampNs stamp_ns) const;
@@ -117,7 +126,8 @@ class InertialNavigator {
   Eigen::Vector3d turned_since_step_ = Eigen::Vector3d::Zero();  // integral of the raw rate, rad
   double contradicted_s_ = 0.0;                                  // how long the matches have been refused, s
   std::optional<InertialDoubt> tilted_;
-  FilterSteps steps_;
+  Smoothing smoothed_;
+  FilterSteps steps_;  // behind those
   InertialSummary summary_;
 };
 

@@ -130,6 +130,28 @@ TEST(InertialTrackTest, TheImuCarriesThroughBlindness) {
   EXPECT_NEAR(track.navigation.unmatched_s, 2.0, 0.1);
 }
 
+// A stretch is smoothed when 10 s more have been seen, or at the end of the drive: both tell the same of it. One step
+// more is not enough.
+TEST(InertialTrackTest, ALongDriveIsSmoothedPieceByPiece) {
+  Session session = Without(true, false);
+  Blind(&session, 95.0, 1.0);
+  Blind(&session, 115.0, 3.0);
+  const Track whole = TrackBlock(session, {});
+  const auto apart = [&](std::size_t look_ahead) {
+    TrackOptions options;
+    options.inertial.look_ahead = look_ahead;
+    const Track pieces = TrackBlock(session, options);
+    double farthest = 0.0;
+    for (std::size_t i = 0; i < whole.scans.size(); ++i) {
+      const Pose2 between = Between(whole.scans[i].local_from_scan, pieces.scans[i].local_from_scan);
+      farthest = std::max(farthest, between.Translation().norm());
+    }
+    return farthest;
+  };
+  EXPECT_LT(apart(100), 0.001);
+  EXPECT_GT(apart(1), 0.005);
+}
+
 // Scans are missing while the platform drives on.
 Session WithGap(Session session, double from_s, double seconds) {
   std::erase_if(session.scans, [&](const Scan& scan) {

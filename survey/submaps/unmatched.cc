@@ -111,18 +111,15 @@ bool DroveOn(const Track& track, std::size_t scan) {
 void AddGap(const Session& session, std::size_t scan, Track* track) {
   const double gap = SecondsBefore(session, scan);
   const Prediction source = track->scans[scan].prediction;
-  const char* cause = "break";
-  const char* message = "no scan for %.1f s, with neither odometry nor IMU to go by";
-  if (source != Prediction::kConstantVelocity && HasOdometry(session, {scan - 1, scan + 1})) {
-    cause = "odometry_only";
-    message = "no scan for %.1f s, bridged by odometry";
-  } else if (source == Prediction::kInertial) {
-    cause = gap > kLongestInertial_s ? "break" : "inertial_only";
-    message = "no scan for %.1f s, with the IMU alone to go by";
-  }
-  const bool is_break = std::string_view(cause) == "break";
-  if (is_break || DroveOn(*track, scan))
-    track->requests.push_back({track->scans[scan].scan, cause, gap, Sentence(message, gap), {}});
+  const bool by_wheels = source != Prediction::kConstantVelocity && HasOdometry(session, {scan - 1, scan + 1});
+  const bool by_imu = !by_wheels && source == Prediction::kInertial;
+  const bool is_break = !by_wheels && !(by_imu && gap <= kLongestInertial_s);
+  if (!is_break && !DroveOn(*track, scan)) return;
+  const char* cause = is_break ? "break" : by_wheels ? "odometry_only" : "inertial_only";
+  const char* message = by_wheels ? "no scan for %.1f s, bridged by odometry"
+                        : by_imu  ? "no scan for %.1f s, with the IMU alone to go by"
+                                  : "no scan for %.1f s, with neither odometry nor IMU to go by";
+  track->requests.push_back({track->scans[scan].scan, cause, gap, Sentence(message, gap), {}});
 }
 
 ScanId ScanFrom(const Session& session, StampNs stamp_ns) {
